@@ -1,0 +1,32 @@
+"""Tune a robot's joint springs to its motion, in MuJoCo."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .errors import ResonanceError
+    from .experiment import Experiment, load
+    from .optimal_springs import Optimum, optimum
+    from .run import Run, Status
+    from .simulation import simulate, simulate_many
+
+_HOMES = {
+    "ResonanceError": "errors",
+    "Experiment": "experiment",
+    "load": "experiment",
+    "Optimum": "optimal_springs",
+    "optimum": "optimal_springs",
+    "Run": "run",
+    "Status": "run",
+    "simulate": "simulation",
+    "simulate_many": "simulation",
+}
+
+__all__ = [*_HOMES]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used: the command line's help needs none of them."""
+    if name in _HOMES:
+        return getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

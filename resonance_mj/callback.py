@@ -1,0 +1,164 @@
+"""The law as MuJoCo's control callback, compiled or interpreted.
+
+`mjcb_control` is one pointer for the whole process: `installed` sets it for the length of a `with`
+block, and refuses where another callback is in place.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding
+import mujoco
+import numba
+import numpy as np
+from numba import carray, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from . import controller, equations, memory, springs, structs
+from .controller import act, begins_step, end_stage
+from .errors import CallbackError
+from .memory import Header, block, matrix
+
+_installing = threading.Lock()
+
+
+@contextmanager
+def installed(*, interpret: bool = False) -> Iterator[None]:
+    """Install the control callback while the `with` block runs, and remove it after.
+
+    Args:
+        interpret: run the law as plain Python, for a debugger, instead of compiled.
+
+    Raises:
+        CallbackError: a control callback is installed already, by this package or another.
+    """
+    function = _interpreted if interpret else _compiled()
+    if not _installing.acquire(blocking=False):
+        raise CallbackError(
+            "a simulation is already running in this process, and MuJoCo has one control callback "
+            "per process: run them one after the other, together with simulate_many, or in "
+            "processes of their own"
+        )
+    try:
+        if _pointer_in_libmujoco():
+            raise CallbackError(
+                "another control callback is installed in this process: remove it with "
+                "mujoco.set_mjcb_control(None) before a simulation"
+            )
+        mujoco.set_mjcb_control(function)
+        try:
+            yield
+        finally:
+            mujoco.set_mjcb_control(None)
+    finally:
+        _installing.release()
+
+
+def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """The control callback as plain Python: the same functions that `_compiled` compiles."""
+    mem = block(data.userdata)
+    if begins_step(mem):
+        site = int(mem[Header.SITE])
+        jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
+        mujoco.mj_jacSite(model, data, jacobian, None, site)
+        act(mem, data.qpos, data.qvel, data.site_xpos[site], data.ctrl)
+    end_stage(mem, model.jnt_stiffness, model.qpos_spring)
+
+
+@cache
+def _compiled() -> Callable[..., Any]:
+    """The control callback as a C function, compiled once and cached on disk."""
+    llvmlite.binding.load_library_permanently(str(_libmujoco()))
+    function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint())
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(function.address)
+
+
+def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sources: int) -> Any:
+    """Compile the callback for one layout of mjModel and mjData.
+
+    Numba keys its disk cache with the values that a function closes over. That the offsets and the
+    fingerprint of all sources are among them is what makes a cached callback safe to reuse: another
+    MuJoCo, or an edit in any file of the law, compiles anew.
+    """
+    jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nsite, nuserdata = model_offsets
+    userdata, qpos, qvel, ctrl, site_xpos = data_offsets
+
+    @numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")
+    def control(model: int, data: int) -> None:
+        sources  # noqa: B018
+        user = _doubles(_word(data, userdata), _word(model, nuserdata))
+        mem = block(user)
+        if begins_step(mem):
+            site = int(mem[Header.SITE])
+            jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
+            _mj_jacSite(model, data, jacobian.ctypes.data, 0, site)
+            act(
+                mem,
+                _doubles(_word(data, qpos), _word(model, nq)),
+                _doubles(_word(data, qvel), _word(model, nv)),
+                _doubles(_word(data, site_xpos), 3 * _word(model, nsite))[3 * site : 3 * site + 3],
+                _doubles(_word(data, ctrl), _word(model, nu)),
+            )
+        end_stage(
+            mem,
+            _doubles(_word(model, jnt_stiffness), _word(model, njnt)),
+            _doubles(_word(model, qpos_spring), _word(model, nq)),
+        )
+
+    return control
+
+
+# Resolved by name when the compiled code is loaded: an address could not be cached on disk.
+_mj_jacSite = types.ExternalFunction(  # noqa: N816
+    "mj_jacSite",
+    types.void(types.intp, types.intp, types.uintp, types.intp, types.int32),
+)
+
+
+@intrinsic
+def _pointer(typing_context: Any, address: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.intp), generate
+
+
+@numba.extending.register_jitable
+def _word(address, offset):
+    """The 8-byte integer or pointer at `address + offset`."""
+    return carray(_pointer(address + offset), 1, np.intp)[0]
+
+
+@numba.extending.register_jitable
+def _doubles(address, size):
+    """View of `size` doubles at `address`."""
+    return carray(_pointer(address), size, np.float64)
+
+
+def _fingerprint() -> int:
+    digest = hashlib.sha256()
+    for module in (equations, springs, memory, controller):
+        digest.update(Path(module.__file__).read_bytes())
+    return int.from_bytes(digest.digest()[:7], "big")
+
+
+def _libmujoco() -> Path:
+    folder = Path(mujoco.__file__).parent
+    for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"):
+        for path in sorted(folder.glob(pattern)):
+            return path
+    raise CallbackError(f"{folder}: no MuJoCo library was found there; reinstall mujoco")
+
+
+def _pointer_in_libmujoco() -> int | None:
+    library = ctypes.CDLL(str(_libmujoco()))
+    return ctypes.c_void_p.in_dll(library, "mjcb_control").value

@@ -1,0 +1,172 @@
+"""One control step: (4)-(8) on the controller's memory and the robot's state.
+
+It runs inside MuJoCo's control callback, where positions, velocities and the tool's Jacobian are
+current and the joint springs' torque of this step has been computed already: springs written here
+act from the next step on, which is explicit Euler for (6) and (7).
+"""
+
+import math
+
+from numba.extending import register_jitable
+
+from . import equations, springs
+from .memory import Header, matrix, vector
+
+
+@register_jitable
+def begins_step(memory):
+    """Whether this callback is the first of its time step, and the run goes on.
+
+    RK4 calls back at each of its four stages; the law acts at the first and holds.
+    """
+    return memory[Header.STAGE] == 0.0 and memory[Header.FAILED_STEP] == 0.0
+
+
+@register_jitable
+def act(memory, qpos, qvel, tool, ctrl):
+    """Measure the errors, set the motor torque (4), record the step, adapt the springs (6), (7).
+
+    Args:
+        memory: the controller's block; its `jacobian` is the tool's, current (3, dofs).
+        qpos: mjData.qpos.
+        qvel: mjData.qvel.
+        tool: position of the tool (3,) [m].
+        ctrl: mjData.ctrl, written.
+    """
+    n = int(memory[Header.JOINTS])
+    m = int(memory[Header.COORDINATES])
+    step = int(memory[Header.STEP])
+    dofs = int(memory[Header.DOFS])
+    alpha = memory[Header.ALPHA]
+    qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
+    dof_address = vector(memory, Header.DOF_ADDRESS, n)
+    actuator_id = vector(memory, Header.ACTUATOR_ID, n)
+    coordinate = vector(memory, Header.COORDINATE, m)
+    jacobian = matrix(memory, Header.JACOBIAN, 3, dofs)
+    J = matrix(memory, Header.J, m, n)
+    error = vector(memory, Header.ERROR, m)
+    rate = vector(memory, Header.RATE, m)
+    s = vector(memory, Header.S, m)
+    y = vector(memory, Header.Y, n)
+    tau = vector(memory, Header.TAU, n)
+    q_c = vector(memory, Header.Q_C, n)
+    k = vector(memory, Header.STIFFNESS, n)
+    offset = vector(memory, Header.OFFSET, n)
+
+    x_desired = vector(memory, Header.X_DESIRED, (step + 1) * m)[step * m :]
+    dx_desired = vector(memory, Header.DX_DESIRED, (step + 1) * m)[step * m :]
+    u = vector(memory, Header.LEARNED, (step + 1) * n)[step * n :]
+    for i in range(m):
+        axis = int(coordinate[i])
+        error[i] = tool[axis] - x_desired[i]
+        rate[i] = -dx_desired[i]
+        for j in range(n):
+            dof = int(dof_address[j])
+            J[i, j] = jacobian[axis, dof]
+            rate[i] += J[i, j] * qvel[dof]
+
+    equations.saturation(error, s)
+    if memory[Header.TRANSPOSE] == 1.0:
+        equations.error_transpose(J, rate, alpha, s, y)
+    else:
+        equations.error_inverse(J, rate, alpha, s, matrix(memory, Header.WORK, n, n), y)
+    equations.motor_torque(
+        J,
+        vector(memory, Header.K_V, m),
+        vector(memory, Header.K_P, m),
+        rate,
+        s,
+        u,
+        tau,
+    )
+
+    for j in range(n):
+        speed = qvel[int(dof_address[j])]
+        if not (abs(speed) <= memory[Header.SPEED_LIMIT] and math.isfinite(tau[j] + y[j])):
+            memory[Header.FAILED_STEP] = step + 1
+            memory[Header.FAILED_JOINT] = j
+            halt(memory, qvel, ctrl)
+            return
+
+    columns = int(memory[Header.COLUMNS])
+    row = vector(memory, Header.RECORD, (step + 1) * columns)[step * columns :]
+    for j in range(n):
+        q = qpos[int(qpos_address[j])]
+        row[j] = q
+        row[n + j] = qvel[int(dof_address[j])]
+        row[2 * n + m + j] = y[j]
+        row[3 * n + m + j] = tau[j]
+        row[4 * n + m + j] = u[j]
+        row[5 * n + m + j] = k[j]
+        row[6 * n + m + j] = offset[j]
+        ctrl[int(actuator_id[j])] = tau[j]
+        adapt(memory, n, j, q, q_c[j], y[j], k, offset)
+    for i in range(m):
+        row[2 * n + i] = tool[int(coordinate[i])]
+
+
+@register_jitable
+def adapt(memory, n, j, q, q_c, y, k, offset):
+    """One explicit Euler step of (6), (7) for joint `j`, kept within the springs' bounds."""
+    gamma_k = vector(memory, Header.GAMMA_K, n)[j]
+    gamma_qe = vector(memory, Header.GAMMA_QE, n)[j]
+    if gamma_k == 0.0 and gamma_qe == 0.0:
+        return
+    timestep = memory[Header.TIMESTEP]
+    new_k = k[j] + timestep * equations.stiffness_rate(gamma_k, q, q_c, y)
+    new_offset = offset[j] + timestep * equations.offset_rate(gamma_qe, y)
+    # The metric of the Lyapunov function (16); a gain of 0 stands for a very stiff direction.
+    weight = max(gamma_qe, 1e-9) / max(gamma_k, 1e-9)
+    k[j], offset[j] = springs.nearest(
+        new_k,
+        new_offset,
+        vector(memory, Header.K_MIN, n)[j],
+        vector(memory, Header.K_MAX, n)[j],
+        vector(memory, Header.LOW, n)[j],
+        vector(memory, Header.HIGH, n)[j],
+        weight,
+    )
+
+
+@register_jitable
+def end_stage(memory, jnt_stiffness, qpos_spring):
+    """Count this callback; after the last of a time step, write the springs into the model."""
+    memory[Header.STAGE] += 1.0
+    if memory[Header.STAGE] < memory[Header.STAGES]:
+        return
+    memory[Header.STAGE] = 0.0
+    memory[Header.STEP] += 1.0
+    write_springs(memory, jnt_stiffness, qpos_spring)
+
+
+@register_jitable
+def write_springs(memory, jnt_stiffness, qpos_spring):
+    """Rewrite mjModel's joint springs with the k and q̄_e of the memory."""
+    n = int(memory[Header.JOINTS])
+    joint_id = vector(memory, Header.JOINT_ID, n)
+    qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
+    q_c = vector(memory, Header.Q_C, n)
+    k = vector(memory, Header.STIFFNESS, n)
+    offset = vector(memory, Header.OFFSET, n)
+    for j in range(n):
+        stiffness, angle = springs.equilibrium(k[j], offset[j], q_c[j])
+        jnt_stiffness[int(joint_id[j])] = stiffness
+        qpos_spring[int(qpos_address[j])] = angle
+
+
+@register_jitable
+def halt(memory, qvel, ctrl):
+    """Take the motors and springs away and hold the arm: what follows a failed step is not a run.
+
+    Holding it keeps MuJoCo from integrating, and warning about, numbers that are not finite.
+    """
+    n = int(memory[Header.JOINTS])
+    dof_address = vector(memory, Header.DOF_ADDRESS, n)
+    actuator_id = vector(memory, Header.ACTUATOR_ID, n)
+    k = vector(memory, Header.STIFFNESS, n)
+    offset = vector(memory, Header.OFFSET, n)
+    for j in range(n):
+        qvel[int(dof_address[j])] = 0.0
+        ctrl[int(actuator_id[j])] = 0.0
+        k[j] = 0.0
+        offset[j] = 0.0

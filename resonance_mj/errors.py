@@ -1,0 +1,28 @@
+"""The errors that a user's input can cause. Each message is one line that can be acted on."""
+
+
+class ResonanceError(Exception):
+    """Base of every error that this package raises on purpose.
+
+    The message names the file, key or element, the value received, and what would be valid.
+    """
+
+
+class ExperimentError(ResonanceError):
+    """An experiment file, a dotted override or a name is not valid."""
+
+
+class RobotError(ResonanceError):
+    """The MJCF is missing, MuJoCo rejects it, or it has no arm that the law could drive."""
+
+
+class MotionError(ResonanceError):
+    """The desired motion is out of the arm's reach or passes through a singular pose."""
+
+
+class CallbackError(ResonanceError):
+    """The control callback cannot be installed."""
+
+
+class OutputError(ResonanceError):
+    """A folder or file cannot be written, or does not hold a run."""

@@ -1,0 +1,383 @@
+"""An experiment: the TOML file as frozen, validated models, with defaults and dotted overrides."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tomlkit
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from . import library
+from .errors import ExperimentError
+
+Vector = tuple[float, ...]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Gain = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Gains = Gain | Annotated[tuple[Gain, ...], Field(min_length=1)]
+Angles = Literal["mean"] | Annotated[tuple[Finite, ...], Field(min_length=1)]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Robot(_Model):
+    """Which arm, which of its points follows the motion, and where it starts."""
+
+    mjcf: str
+    """A path, or the name of a file in mjcf/."""
+    tool: str = "tool"
+    """The site that follows the motion."""
+    home: str | tuple[Finite, ...] = "home"
+    """Joint angles at the start, at rest [rad], or the name of a keyframe."""
+
+
+class Task(_Model):
+    """What of the tool's pose is controlled."""
+
+    coordinates: Annotated[tuple[Literal["x", "y", "z"], ...], Field(min_length=1)] = ("x", "z")
+    """Coordinates of the tool in the world frame."""
+
+    @field_validator("coordinates")
+    @classmethod
+    def _distinct(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(value)) != len(value):
+            raise ValueError("each coordinate may be named once")
+        return value
+
+
+class Simulation(_Model):
+    """How MuJoCo integrates the robot."""
+
+    timestep: Positive = 1e-3
+    """Time step and control period [s]."""
+    integrator: str = "implicitfast"
+    """Euler, implicitfast or RK4."""
+    gravity: tuple[Finite, Finite, Finite] | None = None
+    """[m/s^2]; the model's own if not given."""
+    samples: Annotated[int, Field(gt=0)] = 200_000
+    """Most time samples kept in the run; beyond it whole cycles are left out."""
+
+    @field_validator("integrator")
+    @classmethod
+    def _explicit_in_position(cls, value: str) -> str:
+        if value in ("Euler", "implicitfast", "RK4"):
+            return value
+        reasons = {
+            "discrete": "it treats joint springs implicitly and dissipates their energy, "
+            "which biases every torque measured here",
+            "implicit": "it adds nothing for an arm that implicitfast lacks, and costs "
+            "a full LU factorisation at each step",
+        }
+        reason = f" ({reasons[value]})" if value in reasons else ""
+        raise ValueError(f"valid integrators are Euler, implicitfast and RK4{reason}")
+
+
+class Motion(_Model):
+    """A periodic motion of the tool: offset + sum over harmonics h of sin and cos of 2 pi h t/T."""
+
+    duration: Positive
+    """How long the motion is repeated [s]: a whole number of periods."""
+    period: Positive = 1.0
+    """Cycle time T [s]: a whole number of time steps."""
+    shape: Literal["fourier"] = "fourier"
+    """Offset plus harmonics."""
+    offset: Annotated[tuple[Finite, ...], Field(min_length=1)]
+    """Mean position [m], one per coordinate."""
+    sin: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the sines [m]: a row per coordinate, a column per harmonic."""
+    cos: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the cosines [m]: a row per coordinate, a column per harmonic."""
+
+    @model_validator(mode="after")
+    def _one_row_per_coordinate(self) -> Motion:
+        for name, rows in (("sin", self.sin), ("cos", self.cos)):
+            if rows and len(rows) != len(self.offset):
+                raise ValueError(
+                    f"{name} has {len(rows)} rows and offset has {len(self.offset)} numbers: "
+                    "both need one per coordinate"
+                )
+        cycles = self.duration / self.period
+        if round(cycles) < 1 or abs(cycles - round(cycles)) > 1e-9 * cycles:
+            whole = max(1, round(cycles))
+            raise ValueError(
+                f"duration {self.duration:g} s is {cycles:.6g} periods of {self.period:g} s; "
+                f"a whole number of periods is needed, for example {whole * self.period:g} s"
+            )
+        return self
+
+    @property
+    def cycles(self) -> int:
+        """Number of cycles in the duration."""
+        return round(self.duration / self.period)
+
+    def steps(self, timestep: float) -> int:
+        """Number of time steps of `timestep` [s] in a cycle."""
+        return round(self.period / timestep)
+
+
+class Law(_Model):
+    """The controller (4)-(10) and its gains, by the paper's symbols."""
+
+    kind: Literal["paper"] = "paper"
+    """(4)-(10) as printed."""
+    jacobian: Literal["inverse", "transpose"] = "inverse"
+    """J^-1 or J^T in (8)."""
+    k_v: Gains = 200.0
+    """Velocity feedback K_v [N s/m], one for all coordinates or one each."""
+    k_p: Gains = 2000.0
+    """Position feedback K_p [N/m], one for all coordinates or one each."""
+    alpha: Gain = 10.0
+    """Weight of the position error in (8) [1/s]."""
+    beta: Gain = 1.0
+    """Learning gain of (9) [N m s/rad]."""
+    gamma_k: Gains = 50.0
+    """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each."""
+    gamma_qe: Gains = 150.0
+    """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each."""
+    q_c: Angles = "mean"
+    """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion."""
+    q_s: Angles = "mean"
+    """Centre of the learning's regressor (9), (10) [rad]; "mean" as for q_c."""
+    lead: Annotated[int, Field(ge=0)] = 0
+    """How far ahead in the stored cycle (9) reads y [control periods]; 0 as printed."""
+
+
+class Springs(_Model):
+    """What the springs can do, and how they start."""
+
+    stiffness: tuple[float, float] = (0.0, math.inf)
+    """Bounds of the stiffness [N m/rad]."""
+    equilibrium: tuple[float, float] = (-math.pi, math.pi)
+    """Bounds of the equilibrium angle q_e - q_c [rad]."""
+    initial_stiffness: Finite | tuple[Finite, ...] = 0.0
+    """k(0) [N m/rad], one for all joints or one each."""
+    initial_equilibrium: Finite | tuple[Finite, ...] = 0.0
+    """q_e(0) [rad], one for all joints or one each."""
+
+    @field_validator("stiffness", "equilibrium")
+    @classmethod
+    def _interval(cls, value: tuple[float, float]) -> tuple[float, float]:
+        lower, upper = value
+        if not lower < upper or lower == math.inf or upper == -math.inf:
+            raise ValueError("[lower, upper] with lower < upper is needed, inf for no bound")
+        return value
+
+    @model_validator(mode="after")
+    def _convex(self) -> Springs:
+        if any(map(math.isfinite, self.equilibrium)):
+            if self.stiffness[0] < 0:
+                raise ValueError(
+                    f"equilibrium = {list(self.equilibrium)} needs stiffness >= 0, and the lower "
+                    f"bound of stiffness is {self.stiffness[0]:g}: with both signs the springs' "
+                    "feasible set is not convex"
+                )
+            if not all(map(math.isfinite, self.equilibrium)):
+                raise ValueError(
+                    f"equilibrium = {list(self.equilibrium)}: give two finite bounds, or none "
+                    "as [-inf, inf]"
+                )
+        return self
+
+
+class Experiment(_Model):
+    """One experiment: a robot, a task, motions in a row, a law and springs."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+    """Name of the run, and of its folder in runs/."""
+    robot: Robot
+    task: Task = Task()
+    simulation: Simulation = Simulation()
+    motion: Annotated[tuple[Motion, ...], Field(min_length=1)]
+    law: Law = Law()
+    springs: Springs = Springs()
+
+    @model_validator(mode="after")
+    def _whole_time_steps(self) -> Experiment:
+        coordinates = self.task.coordinates
+        for index, motion in enumerate(self.motion):
+            if len(motion.offset) != len(coordinates):
+                raise ValueError(
+                    f"motion.{index}.offset has {len(motion.offset)} numbers; task.coordinates "
+                    f"= {list(coordinates)} needs {len(coordinates)}"
+                )
+            dt = self.simulation.timestep
+            steps = motion.period / dt
+            if round(steps) < 2 or abs(steps - round(steps)) > 1e-9 * steps:
+                whole = max(2, round(steps))
+                raise ValueError(
+                    f"motion.{index}.period = {motion.period:g} s is {steps:.6g} time steps of "
+                    f"{dt:g} s; a whole number of at least 2 is needed, for example a period of "
+                    f"{whole * dt:.9g} s or a time step of {motion.period / whole:.9g} s"
+                )
+            if self.law.lead >= round(steps):
+                raise ValueError(
+                    f"law.lead = {self.law.lead} is not shorter than the {round(steps)} time "
+                    f"steps of a cycle of motion.{index}"
+                )
+        return self
+
+    def replace(self, changes: Mapping[str, Any]) -> Experiment:
+        """A copy with some values changed, validated as a file would be.
+
+        Args:
+            changes: dotted keys and their new values, such as `{"law.beta": 3.0}` or
+                `{"motion.0.period": 0.5}`.
+
+        Raises:
+            ExperimentError: a key does not exist or a value is not valid.
+        """
+        values = _as_lists(self.model_dump())
+        for key, value in changes.items():
+            *parents, last = key.split(".")
+            node: Any = values
+            for parent in parents:
+                node = _child(node, parent, key)
+            _child(node, last, key)
+            node[int(last) if isinstance(node, list) else last] = value
+        return _validate(values, f"experiment {self.name!r}")
+
+    def to_toml(self) -> str:
+        """The experiment as a TOML text that `load` reads back to an equal experiment."""
+        return tomlkit.dumps(_without_none(_as_lists(self.model_dump())))
+
+
+def load(name: str | os.PathLike[str]) -> Experiment:
+    """Read an experiment.
+
+    Args:
+        name: name of a built-in experiment, or path of a TOML file.
+
+    Raises:
+        ExperimentError: there is no such experiment, the file is not TOML, or a value in it is
+            not valid.
+    """
+    path = _find(name)
+    try:
+        text = path.read_text(encoding="utf-8")
+        values = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ExperimentError(f"{path}: cannot be read: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ExperimentError(f"{path}: not valid TOML: {error}") from None
+    robot = values.get("robot")
+    if isinstance(robot, dict) and isinstance(robot.get("mjcf"), str):
+        beside = path.parent / robot["mjcf"]
+        if beside.is_file():
+            robot["mjcf"] = str(beside.resolve())
+    values.setdefault("name", path.stem)
+    return _validate(values, str(path))
+
+
+def _find(name: str | os.PathLike[str]) -> Path:
+    built_in = library.experiments()
+    if isinstance(name, str) and name in built_in:
+        return built_in[name]
+    path = Path(name)
+    if path.is_file():
+        return path
+    if path.suffix == ".toml" or len(path.parts) > 1:
+        kind = "is a folder" if path.is_dir() else "does not exist"
+        raise ExperimentError(f"{path}: {kind}; give a TOML file or one of {_listed(built_in)}")
+    raise ExperimentError(
+        f"no experiment is called {str(name)!r}{_nearest(str(name), built_in)}; "
+        f"there are {_listed(built_in)}, or give the path of a TOML file"
+    )
+
+
+def _validate(values: dict[str, Any], source: str) -> Experiment:
+    try:
+        return Experiment.model_validate(values)
+    except ValidationError as error:
+        raise ExperimentError(_one_line(error, source)) from None
+
+
+def _one_line(error: ValidationError, source: str) -> str:
+    """The first problem of a validation as one line, and how many more there are."""
+    problems = error.errors(include_url=False)
+    # Of a union's branches pydantic reports each; the one that looked deepest fits the input best.
+    first = max(problems, key=lambda p: (p["type"] == "extra_forbidden", len(p["loc"])))
+    words = [str(part) for part in first["loc"]]
+    key = ".".join(word for word in words if word.isdigit() or word in _NAMES)
+    if first["type"] == "extra_forbidden":
+        key = ".".join(words)
+        section = _section(words[:-1])
+        return (
+            f"{source}: {key}: unknown key{_nearest(words[-1], section)}; "
+            f"valid keys here are {_listed(section)}"
+        )
+    if first["type"] == "missing":
+        return f"{source}: {key}: missing; it has no default"
+    message = first["msg"].removeprefix("Value error, ")
+    message = message[0].lower() + message[1:]
+    where = f"{source}: {key}" if key else source
+    if not isinstance(first["input"], (dict, BaseModel)):
+        where += f" = {_shown(first['input'])}"
+    return f"{where}: {message}"
+
+
+def _field_names(model: type[BaseModel]) -> set[str]:
+    return set(model.model_fields)
+
+
+_SECTIONS: dict[str, type[BaseModel]] = {
+    "robot": Robot,
+    "task": Task,
+    "simulation": Simulation,
+    "motion": Motion,
+    "law": Law,
+    "springs": Springs,
+}
+_NAMES = set().union(_field_names(Experiment), *map(_field_names, _SECTIONS.values()))
+
+
+def _section(path: list[str]) -> list[str]:
+    model = _SECTIONS.get(path[0], Experiment) if path else Experiment
+    return list(model.model_fields)
+
+
+def _child(node: Any, key: str, whole: str) -> Any:
+    if isinstance(node, dict):
+        if key in node:
+            return node[key]
+        raise ExperimentError(
+            f"{whole}: unknown key{_nearest(key, node)}; valid keys here are {_listed(node)}"
+        )
+    if isinstance(node, list) and key.isdigit() and int(key) < len(node):
+        return node[int(key)]
+    if isinstance(node, list):
+        raise ExperimentError(f"{whole}: no element {key}; valid are 0 to {len(node) - 1}")
+    raise ExperimentError(f"{whole}: {key} is inside a value, not a section")
+
+
+def _as_lists(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _as_lists(item) for key, item in value.items()}
+    return [_as_lists(item) for item in value] if isinstance(value, tuple) else value
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return [_without_none(item) for item in value] if isinstance(value, list) else value
+
+
+def _shown(value: Any) -> str:
+    text = repr(list(value) if isinstance(value, tuple) else value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def _listed(names: Any) -> str:
+    return ", ".join(names)
+
+
+def _nearest(name: str, names: Any) -> str:
+    close = difflib.get_close_matches(name, list(names), n=1)
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -1,0 +1,181 @@
+"""Joint motion behind a task-space motion, for the evaluation only: the controller never uses it."""
+
+from __future__ import annotations
+
+import copy
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from .errors import MotionError
+from .motion import Samples
+from .robot import Robot
+
+TOLERANCE = 1e-11
+"""Position error at which the inverse kinematics has converged [m]."""
+
+SINGULAR = 1e-3
+"""Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
+
+
+class JointMotion(NamedTuple):
+    """A joint motion over one cycle."""
+
+    q: np.ndarray
+    """Joint angles q_d (N, n) [rad]."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
+    ddq: np.ndarray
+    """Joint accelerations (N, n) [rad/s^2]."""
+
+
+class Kinematics:
+    """Position, Jacobian and torque of a robot at chosen states, on a copy without joint springs."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self._model = copy.copy(robot.model)
+        self._model.jnt_stiffness[robot.joint_id] = 0.0
+        self._data = mujoco.MjData(self._model)
+        self._data.qpos[:] = robot.qpos
+        self._full = np.zeros((3, self._model.nv))
+        self._of_task = np.ix_(robot.coordinate, robot.dof_address)
+        self._body = int(robot.model.site_bodyid[robot.site])
+
+    def position(self, q: np.ndarray) -> np.ndarray:
+        """Tool position x = f(q) (m,) [m] at joint angles q (n,) [rad]."""
+        self._place(q)
+        return self._x()
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """Task Jacobian J(q) (m, n) [m/rad] at joint angles q (n,) [rad]."""
+        self._place(q)
+        return self._J()
+
+    def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
+        """Joint angles near `q` whose tool position is nearest to `x`, by damped Newton steps.
+
+        The damping grows while a step does not come closer, so that the branch of `q` is kept.
+
+        Args:
+            x: position (m,) [m].
+            q: joint angles to start from (n,) [rad].
+            iterations: most steps; without convergence the nearest angles found are returned.
+        """
+        error, J = self._error(q, x)
+        damping = 1e-12
+        for _ in range(iterations):
+            if np.linalg.norm(error) < TOLERANCE:
+                break
+            step = J.T @ np.linalg.solve(J @ J.T + damping * np.eye(len(x)), error)
+            limited = q + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
+            new_error, new_J = self._error(limited, x)
+            if np.linalg.norm(new_error) < np.linalg.norm(error):
+                q, error, J = limited, new_error, new_J
+                damping = max(damping / 10, 1e-12)
+            else:
+                damping = max(10 * damping, 1e-7)
+                if damping > 1e3:
+                    break
+        return q
+
+    def follow(self, samples: Samples, start: np.ndarray, period: float, name: str) -> JointMotion:
+        """Joint motion of a task-space motion, on the branch of `start`.
+
+        Args:
+            samples: the motion.
+            start: joint angles near which the branch is looked for (n,) [rad].
+            period: cycle time [s], for messages.
+            name: how messages call the motion.
+
+        Raises:
+            MotionError: the motion leaves the arm's reach or passes through a singular pose.
+        """
+        steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
+        q, J = np.empty((steps, n)), np.empty((steps, m, n))
+
+        def where(i: int) -> str:
+            at = _point(samples.x[i], self.robot)
+            return f"{i / steps * period:.3f} s into the cycle, at {at}"
+
+        guess = start
+        for i in range(steps):
+            q[i] = self.solve(samples.x[i], guess)
+            self._place(q[i])
+            away = np.linalg.norm(self._x() - samples.x[i])
+            if away > 1e3 * TOLERANCE:
+                raise MotionError(
+                    f"{name}: out of the arm's reach {where(i)}: the tool comes no nearer than "
+                    f"{away * 1e3:.1f} mm; move or shrink the motion"
+                )
+            J[i] = self._J()
+            guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
+        values = np.linalg.svd(J, compute_uv=False)
+        i = int(np.argmin(values[:, -1] / values[:, 0]))
+        if values[i, -1] < SINGULAR * values[i, 0]:
+            raise MotionError(
+                f"{name}: passes through a singular pose {where(i)}, with joint angles "
+                f"{np.array2string(q[i], precision=3)} rad: the smallest singular value of J is "
+                f"{values[i, -1]:.1e} m/rad, at least {SINGULAR * values[i, 0]:.1e} is needed; "
+                "move the motion away from there or choose another home pose"
+            )
+        dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
+        drift = np.array([self._J_dot(q[i], dq[i]) @ dq[i] for i in range(steps)])
+        ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
+        jump = np.abs(self.solve(samples.x[0], q[-1]) - q[0]).max()
+        if jump > 1e-6:
+            raise MotionError(
+                f"{name}: the joints do not return to where they began: after one cycle they are "
+                f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
+            )
+        return JointMotion(q, dq, ddq)
+
+    def torque(self, motion: JointMotion) -> np.ndarray:
+        """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).
+
+        Returns:
+            Torque (N, n) [N m].
+        """
+        robot, data = self.robot, self._data
+        torque = np.empty_like(motion.q)
+        for i in range(len(torque)):
+            data.qpos[robot.qpos_address] = motion.q[i]
+            data.qvel[robot.dof_address] = motion.dq[i]
+            data.qacc[:] = 0.0
+            data.qacc[robot.dof_address] = motion.ddq[i]
+            mujoco.mj_inverse(self._model, data)
+            torque[i] = data.qfrc_inverse[robot.dof_address]
+        return torque
+
+    def _place(self, q: np.ndarray) -> None:
+        model, data = self._model, self._data
+        data.qpos[self.robot.qpos_address] = q
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+
+    def _x(self) -> np.ndarray:
+        return self._data.site_xpos[self.robot.site][self.robot.coordinate].copy()
+
+    def _J(self) -> np.ndarray:  # noqa: N802
+        mujoco.mj_jacSite(self._model, self._data, self._full, None, self.robot.site)
+        return self._full[self._of_task]
+
+    def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
+        model, data = self._model, self._data
+        self._place(q)
+        data.qvel[self.robot.dof_address] = dq
+        mujoco.mj_comVel(model, data)
+        at = data.site_xpos[self.robot.site]
+        mujoco.mj_jacDot(model, data, self._full, None, at, self._body)
+        return self._full[self._of_task]
+
+    def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        self._place(q)
+        return x - self._x(), self._J()
+
+
+def _point(x: np.ndarray, robot: Robot) -> str:
+    axes = "xyz"
+    parts = (f"{axes[c]} = {value:.3f}" for c, value in zip(robot.coordinate, x, strict=True))
+    return "(" + ", ".join(parts) + ") m"

@@ -1,0 +1,191 @@
+"""The controller's block of mjData.userdata: all that a law remembers or is tuned by.
+
+The block is a header, one number per entry of `Header`, followed by arrays, one per entry of
+`ARRAYS`. The header holds the sizes and, for each array, where it begins. Nothing about a robot or
+a law is compiled in: a saved `userdata` is the whole state of the controller, and each robot of a
+batch has its own. The last number of `userdata` says where the block begins, so that numbers which
+a model's author keeps in `userdata` stay where they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numba.extending import register_jitable
+
+ARRAYS: dict[str, tuple[str, ...]] = {
+    # the robot
+    "qpos_address": ("joints",),
+    "dof_address": ("joints",),
+    "joint_id": ("joints",),
+    "actuator_id": ("joints",),
+    "coordinate": ("coordinates",),
+    # the law's gains and the springs' bounds
+    "k_v": ("coordinates",),
+    "k_p": ("coordinates",),
+    "gamma_k": ("joints",),
+    "gamma_qe": ("joints",),
+    "q_c": ("joints",),
+    "q_s": ("joints",),
+    "k_min": ("joints",),
+    "k_max": ("joints",),
+    "low": ("joints",),
+    "high": ("joints",),
+    # the springs that act now
+    "stiffness": ("joints",),
+    "offset": ("joints",),
+    # tables over the cycle
+    "x_desired": ("steps", "coordinates"),
+    "dx_desired": ("steps", "coordinates"),
+    "learned": ("steps", "joints"),
+    "record": ("steps", "columns"),
+    # scratch of one control step
+    "jacobian": ("three", "dofs"),
+    "J": ("coordinates", "joints"),
+    "error": ("coordinates",),
+    "rate": ("coordinates",),
+    "s": ("coordinates",),
+    "y": ("joints",),
+    "tau": ("joints",),
+    "work": ("joints", "joints"),
+}
+"""Arrays of the block and their shapes, in the order in which they lie."""
+
+COLUMNS: dict[str, str] = {
+    "q": "joints",
+    "dq": "joints",
+    "x": "coordinates",
+    "y": "joints",
+    "tau": "joints",
+    "u": "joints",
+    "stiffness": "joints",
+    "offset": "joints",
+}
+"""What a control step records, in the order of the columns of `record`."""
+
+_SCALARS = (
+    "joints",  # n
+    "coordinates",  # m
+    "dofs",  # of the whole model
+    "steps",  # of the longest cycle: the rows of the tables
+    "columns",  # of the record
+    "three",
+    "site",  # the tool's id
+    "transpose",  # 1 for J^T in (8), 0 for J^-1
+    "alpha",
+    "beta",
+    "lead",
+    "timestep",
+    "stages",  # callbacks per time step: 1, or 4 under RK4
+    "stage",  # callbacks since the time step began
+    "step",  # control steps since the cycle began
+    "speed_limit",  # [rad/s]
+    "failed_step",  # control step in which the run diverged, counted from 1; 0 if it has not
+    "failed_joint",  # its joint
+)
+
+Header = IntEnum(  # type: ignore[misc]
+    "Header", [name.upper() for name in (*_SCALARS, *ARRAYS)], start=0
+)
+"""Index of each number of the header; an array's is where it begins in the block."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Sizes of the block for one robot, task and longest cycle."""
+
+    joints: int
+    coordinates: int
+    dofs: int
+    steps: int
+    three: int = 3
+
+    @property
+    def columns(self) -> int:
+        """Numbers that a control step records."""
+        return sum(getattr(self, size) for size in COLUMNS.values())
+
+    def shape(self, name: str) -> tuple[int, ...]:
+        """Shape of an array of the block."""
+        return tuple(getattr(self, size) for size in ARRAYS[name])
+
+    def starts(self) -> Iterator[tuple[str, int]]:
+        """Each array and where it begins in the block."""
+        start = len(Header)
+        for name in ARRAYS:
+            yield name, start
+            start += int(np.prod(self.shape(name)))
+
+    @property
+    def size(self) -> int:
+        """Length of the block, and of the number that says where it begins."""
+        last, start = list(self.starts())[-1]
+        return start + int(np.prod(self.shape(last))) + 1
+
+
+class Memory:
+    """Named views of the block in the userdata of one or more robots.
+
+    Args:
+        userdata: `mjData.userdata` of each robot (robots, nuserdata); written in place.
+        layout: sizes of the block, equal for all robots.
+    """
+
+    def __init__(self, userdata: np.ndarray, layout: Layout) -> None:
+        self.layout = layout
+        begin = userdata.shape[1] - layout.size
+        self._block = userdata[:, begin:-1]
+        self._starts = dict(layout.starts())
+        userdata[:, -1] = begin
+        for name in ("joints", "coordinates", "dofs", "steps", "columns", "three"):
+            self.scalar(name)[:] = getattr(layout, name)
+        for name, start in self._starts.items():
+            self.scalar(name)[:] = start
+
+    def scalar(self, name: str) -> np.ndarray:
+        """View of a number of the header (robots,)."""
+        return self._block[:, Header[name.upper()]]
+
+    def block(self, robot: int) -> np.ndarray:
+        """View of one robot's block, as the control step is handed it."""
+        return self._block[robot]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """View of an array (robots, *shape)."""
+        shape = self.layout.shape(name)
+        start = self._starts[name]
+        flat = self._block[:, start : start + int(np.prod(shape))]
+        return flat.reshape(flat.shape[0], *shape)
+
+    def recorded(self, name: str, steps: int) -> np.ndarray:
+        """View of a recorded signal over a cycle of `steps` control steps (robots, steps, size)."""
+        start = 0
+        for column, size in COLUMNS.items():
+            width = getattr(self.layout, size)
+            if column == name:
+                return self["record"][:, :steps, start : start + width]
+            start += width
+        raise KeyError(name)
+
+
+@register_jitable
+def block(userdata):
+    """The controller's block of `userdata`."""
+    return userdata[int(userdata[userdata.size - 1]) : userdata.size - 1]
+
+
+@register_jitable
+def vector(memory, name, size):
+    """View of an array of the block (size,)."""
+    start = int(memory[name])
+    return memory[start : start + size]
+
+
+@register_jitable
+def matrix(memory, name, rows, columns):
+    """View of an array of the block (rows, columns)."""
+    start = int(memory[name])
+    return memory[start : start + rows * columns].reshape(rows, columns)

@@ -1,0 +1,176 @@
+"""What is kept of a run while it is simulated: whole cycles in time, and every cycle in brief."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from . import springs
+from .experiment import Experiment
+from .memory import COLUMNS, Memory
+from .optimal_springs import Optimum
+from .robot import Robot
+
+UNITS = {
+    "q": "rad",
+    "dq": "rad/s",
+    "x": "m",
+    "x_desired": "m",
+    "y": "rad/s",
+    "tau": "N m",
+    "u": "N m",
+    "stiffness": "N m/rad",
+    "offset": "N m",
+    "equilibrium": "rad",
+    "center": "rad",
+}
+MEANING = {
+    "q": "joint angle",
+    "dq": "joint velocity",
+    "x": "tool position",
+    "x_desired": "desired tool position x_d",
+    "y": "error signal (8)",
+    "tau": "motor torque (4)",
+    "u": "learned torque (9)",
+    "stiffness": "stiffness k (6)",
+    "offset": "offset torque q_e bar (7) about the center",
+    "equilibrium": "equilibrium angle q_e of the spring",
+    "center": "center q_c of the offset torque",
+}
+
+
+class Recording:
+    """The samples of one robot's run.
+
+    Args:
+        experiment: what is simulated.
+        robot: the robot of the experiment.
+        optima: the optimum of each motion.
+    """
+
+    def __init__(self, experiment: Experiment, robot: Robot, optima: list[Optimum]) -> None:
+        self._experiment, self._robot, self._optima = experiment, robot, optima
+        self._dt = experiment.simulation.timestep
+        self._segment = np.repeat(np.arange(len(optima)), [m.cycles for m in experiment.motion])
+        self._kept = _kept(experiment)
+        self._samples: dict[str, list[np.ndarray]] = {name: [] for name in (*UNITS, "tau_optimal")}
+        self._times: list[np.ndarray] = []
+        self._sample_cycles: list[np.ndarray] = []
+        self._torque_squared: list[float] = []
+        self._tracking_rms: list[float] = []
+        self._stiffness: list[np.ndarray] = []
+        self._offset: list[np.ndarray] = []
+        self._time = 0.0
+
+    def add(self, memory: Memory, robot: int, steps: int, whole: int) -> None:
+        """Take a cycle from the controller's memory.
+
+        Args:
+            memory: the controller's memory after the cycle.
+            robot: index of this robot in it.
+            steps: control steps recorded.
+            whole: control steps of a whole cycle; only a whole one counts as a cycle.
+        """
+        cycle = len(self._torque_squared)
+        taken = {name: memory.recorded(name, steps)[robot].copy() for name in COLUMNS}
+        taken["x_desired"] = memory["x_desired"][robot, :steps].copy()
+        if cycle in self._kept or steps < whole:
+            self._keep(taken, memory["q_c"][robot].copy(), cycle, steps)
+        if steps == whole:
+            self._torque_squared.append(float((taken["tau"] ** 2).sum(axis=1).mean()))
+            miss = ((taken["x"] - taken["x_desired"]) ** 2).sum(axis=1)
+            self._tracking_rms.append(float(np.sqrt(miss.mean())))
+            self._stiffness.append(memory["stiffness"][robot].copy())
+            self._offset.append(memory["offset"][robot].copy())
+            self._time += whole * self._dt
+
+    def _keep(self, taken: dict[str, np.ndarray], center: np.ndarray, cycle: int, n: int) -> None:
+        taken["center"] = np.broadcast_to(center, taken["q"].shape)
+        k, offset = taken["stiffness"], taken["offset"]
+        k = np.where((k == 0) & (offset != 0), springs.LIMP, k)
+        ratio = np.divide(offset, k, out=np.zeros_like(k), where=k != 0)
+        taken["equilibrium"] = ratio + center
+        taken["tau_optimal"] = self._optima[self._segment[cycle]].torque[:n]
+        for name, values in taken.items():
+            self._samples[name].append(values)
+        self._times.append(self._time + np.arange(n) * self._dt)
+        self._sample_cycles.append(np.full(n, cycle + 1))
+
+    def dataset(self) -> xr.Dataset:
+        """The run so far, as labelled arrays with units."""
+        experiment, robot, optima = self._experiment, self._robot, self._optima
+        cycles = len(self._torque_squared)
+        coords = {
+            "time": ("time", _joined(self._times), {"units": "s"}),
+            "cycle": ("cycle", np.arange(1, cycles + 1), {"units": "1"}),
+            "segment": ("segment", np.arange(1, len(optima) + 1), {"units": "1"}),
+            "joint": ("joint", list(robot.joints), {"units": "1"}),
+            "axis": ("axis", list(experiment.task.coordinates), {"units": "1"}),
+            "cycle_of_sample": ("time", _joined(self._sample_cycles).astype(int), {"units": "1"}),
+            "segment_of_cycle": ("cycle", self._segment[:cycles] + 1, {"units": "1"}),
+        }
+        data = xr.Dataset(coords=coords)
+        for name, units in UNITS.items():
+            dims = ("time", "axis" if name.startswith("x") else "joint")
+            width = robot.m if name.startswith("x") else robot.n
+            data[name] = (dims, _joined(self._samples[name], width), _about(units, MEANING[name]))
+        data["tau_optimal"] = (
+            ("time", "joint"),
+            _joined(self._samples["tau_optimal"], robot.n),
+            _about("N m", "motor torque with the optimal springs, tau_dopt"),
+        )
+        squared = "N^2 m^2"
+        for name, values, units, meaning in (
+            ("torque_squared", self._torque_squared, squared, "mean of tau^T tau over the cycle"),
+            ("tracking_rms", self._tracking_rms, "m", "root mean square of |x - x_d|"),
+        ):
+            data[name] = ("cycle", np.asarray(values, float), _about(units, meaning))
+        for name, rows in (("stiffness", self._stiffness), ("offset", self._offset)):
+            values = np.asarray(rows, float).reshape(cycles, robot.n)
+            about = _about(UNITS[name], f"{MEANING[name]} at the end of the cycle")
+            data[f"{name}_per_cycle"] = (("cycle", "joint"), values, about)
+        for name, units in (("stiffness", "N m/rad"), ("offset", "N m"), ("equilibrium", "rad")):
+            values = np.array([getattr(best, name) for best in optima])
+            about = _about(units, f"{name} of the optimal springs")
+            data[f"{name}_optimal"] = (("segment", "joint"), values, about)
+        for name, attribute in (
+            ("torque_squared_optimal", "torque_squared"),
+            ("torque_squared_without_springs", "torque_squared_without_springs"),
+        ):
+            values = np.array([getattr(best, attribute) for best in optima])
+            data[name] = ("segment", values, _about(squared, name.replace("_", " ")))
+        ends = np.cumsum([motion.duration for motion in experiment.motion])
+        starts = np.concatenate([[0.0], ends[:-1]])
+        data["start"] = ("segment", starts, _about("s", "start of the motion"))
+        data["end"] = ("segment", ends, _about("s", "end of the motion"))
+        data.attrs["thinned"] = int(len(self._kept) < len(self._segment))
+        return data
+
+    @property
+    def time_of_cycle(self) -> float:
+        """When the cycle that comes next begins [s]."""
+        return self._time
+
+
+def _kept(experiment: Experiment) -> set[int]:
+    """Cycles whose samples are kept: all, or whole ones spread over each motion with both ends."""
+    dt, budget = experiment.simulation.timestep, experiment.simulation.samples
+    total = sum(motion.cycles * motion.steps(dt) for motion in experiment.motion)
+    share = min(1.0, budget / total)
+    kept: set[int] = set()
+    first = 0
+    for motion in experiment.motion:
+        count = min(motion.cycles, max(2, int(share * motion.cycles)))
+        kept.update(first + np.linspace(0, motion.cycles - 1, count).round().astype(int))
+        first += motion.cycles
+    return {int(cycle) for cycle in kept}
+
+
+def _about(units: str, meaning: str) -> dict[str, str]:
+    return {"units": units, "long_name": meaning}
+
+
+def _joined(parts: list[np.ndarray], width: int | None = None) -> np.ndarray:
+    if parts:
+        return np.concatenate(parts)
+    return np.empty(0 if width is None else (0, width))

@@ -1,0 +1,186 @@
+"""Experiments through MuJoCo's integrator: one call of `mj_step` per cycle, learning in between."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+
+from . import controller, learning
+from .callback import installed
+from .experiment import Experiment
+from .memory import Memory
+from .preparation import Prepared, load_law, load_motion, prepare
+from .recording import Recording
+from .run import Run, Status
+from .stepper import Alone, Stepper, Together
+
+Progress = Callable[[int, int], None]
+"""Called after each cycle with the number of cycles done and the number of all."""
+
+
+def simulate(
+    experiment: Experiment,
+    *,
+    interpret: bool = False,
+    progress: Progress | None = None,
+) -> Run:
+    """Simulate one experiment.
+
+    Args:
+        experiment: what to simulate, from `load`.
+        interpret: run the law as plain Python in the callback, for a debugger; the same numbers,
+            about fifty times slower.
+        progress: called after each cycle with the cycles done and the cycles in all.
+
+    Returns:
+        The run. One that diverges stops there, with status DIVERGED and what was recorded.
+
+    Raises:
+        RobotError: the robot cannot be loaded.
+        MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        CallbackError: another simulation is running in this process.
+    """
+    return _simulate([prepare(experiment)], Alone, interpret, progress)[0]
+
+
+def simulate_many(
+    experiments: Sequence[Experiment],
+    *,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> list[Run]:
+    """Simulate many experiments together, on all cores, through `mujoco.batch`.
+
+    Experiments of one robot whose cycles have the same numbers of time steps step together; others
+    follow each other. The results are bit for bit those of `simulate`, one by one.
+
+    Args:
+        experiments: what to simulate.
+        threads: how many to use; 0 for all cores.
+        progress: called after each cycle with the cycles done and the cycles in all.
+
+    Returns:
+        The runs, in the order of the experiments.
+
+    Raises:
+        RobotError: a robot cannot be loaded.
+        MotionError: a motion leaves an arm's reach or passes through a singular pose.
+        CallbackError: another simulation is running in this process.
+    """
+    prepared = [prepare(experiment) for experiment in experiments]
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for index, one in enumerate(prepared):
+        groups.setdefault(one.fits_with, []).append(index)
+    total = sum(len(prepared[members[0]].schedule) for members in groups.values())
+    done = 0
+
+    def count(cycles: int, _: int) -> None:
+        if progress:
+            progress(done + cycles, total)
+
+    runs: dict[int, Run] = {}
+    for members in groups.values():
+        group = [prepared[index] for index in members]
+        found = _simulate(group, lambda models: Together(models, threads), False, count)
+        runs.update(zip(members, found, strict=True))
+        done += len(group[0].schedule)
+    return [runs[index] for index in range(len(prepared))]
+
+
+def _simulate(
+    group: list[Prepared],
+    stepper_of: Callable[[list[mujoco.MjModel]], Stepper],
+    interpret: bool,
+    progress: Progress | None,
+) -> list[Run]:
+    """Simulate prepared experiments that fit together."""
+    stepper = stepper_of([one.robot.model for one in group])
+    memory = Memory(stepper.userdata, group[0].robot.layout)
+    for index, one in enumerate(group):
+        stepper.start(index, one.robot.qpos)
+        load_law(memory, index, one)
+    recordings = [Recording(one.experiment, one.robot, one.optima) for one in group]
+    endings = [(Status.OK, "")] * len(group)
+    steps_done = [0] * len(group)
+    going = list(range(len(group)))
+    schedule = group[0].schedule
+    wall = 0.0
+    with installed(interpret=interpret):
+        for cycle, segment in enumerate(schedule):
+            steps = group[0].steps(segment)
+            if cycle == 0 or segment != schedule[cycle - 1]:
+                for index in going:
+                    load_motion(memory, index, group[index], segment)
+            began = time.perf_counter()
+            memory.scalar("step")[:] = 0
+            for index in going:
+                controller.write_springs(
+                    memory.block(index),
+                    stepper.models[index].jnt_stiffness,
+                    stepper.models[index].qpos_spring,
+                )
+            stepper.step(going, steps)
+            wall += time.perf_counter() - began
+            for index in list(going):
+                failed = int(memory.scalar("failed_step")[index])
+                recorded = failed - 1 if failed else steps
+                recordings[index].add(memory, index, recorded, steps)
+                steps_done[index] += recorded
+                if failed:
+                    endings[index] = (Status.DIVERGED, _why(memory, index, group[index], cycle))
+                    going.remove(index)
+            if progress:
+                progress(cycle + 1, len(schedule))
+            if not going:
+                break
+            if cycle + 1 < len(schedule):
+                _learn(memory, going, steps, group[0].steps(schedule[cycle + 1]))
+    return [
+        Run(
+            experiment=one.experiment,
+            status=endings[index][0],
+            message=endings[index][1],
+            data=recordings[index].dataset(),
+            steps=steps_done[index],
+            simulation_wall_s=wall,
+        )
+        for index, one in enumerate(group)
+    ]
+
+
+def _learn(memory: Memory, going: list[int], now: int, following: int) -> None:
+    """Replace the learned torque of a cycle of `now` steps by that of the next, (9), (10)."""
+    q, y, u = (memory.recorded(name, now) for name in ("q", "y", "u"))
+    leads = memory.scalar("lead")
+    for lead in set(leads[going]):
+        same = [index for index in going if leads[index] == lead]
+        learned = learning.learn(
+            u[same],
+            y[same],
+            q[same],
+            beta=memory.scalar("beta")[same],
+            q_s=memory["q_s"][same],
+            lead=int(lead),
+        )
+        memory["learned"][same, :following] = learning.resample(learned, following)
+
+
+def _why(memory: Memory, index: int, one: Prepared, cycle: int) -> str:
+    """Which joint failed, when, why, and what to try."""
+    law, dt = one.experiment.law, one.experiment.simulation.timestep
+    joint = one.robot.joints[int(memory.scalar("failed_joint")[index])]
+    step = int(memory.scalar("failed_step")[index]) - 1
+    segment = one.schedule[cycle]
+    tries = [f"a shorter simulation.timestep (now {dt:g} s)"]
+    if law.beta > 0:
+        tries.insert(0, f"a smaller law.beta (now {law.beta:g})")
+    if law.lead == 0:
+        tries.insert(0, "law.lead = 1")
+    return (
+        f"motion {segment + 1} diverged in cycle {cycle + 1} of the run, {step * dt:.3f} s into "
+        f"it: {joint} would turn by more than one radian in a time step, or its torque is not "
+        f"finite; try {', '.join(tries[:-1])}{' or ' if tries[:-1] else ''}{tries[-1]}"
+    )

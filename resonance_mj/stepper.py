@@ -1,0 +1,54 @@
+"""Robots that step together: one in its mjData, or many of one layout in a `mujoco.batch`."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+
+
+class Stepper(Protocol):
+    """Robots that step together. `userdata` is that of each (robots, nuserdata)."""
+
+    userdata: np.ndarray
+    models: list[mujoco.MjModel]
+
+    def start(self, robot: int, qpos: np.ndarray) -> None: ...
+
+    def step(self, robots: list[int], steps: int) -> None: ...
+
+
+class Alone:
+    """One robot in one mjData."""
+
+    def __init__(self, models: list[mujoco.MjModel]) -> None:
+        self.models = models
+        self._data = mujoco.MjData(models[0])
+        self.userdata = self._data.userdata[None]
+
+    def start(self, robot: int, qpos: np.ndarray) -> None:
+        self._data.qpos[:] = qpos
+
+    def step(self, robots: list[int], steps: int) -> None:
+        mujoco.mj_step(self.models[0], self._data, steps)
+
+
+class Together:
+    """Robots of one layout in a `mujoco.batch`, each with its own model."""
+
+    def __init__(self, models: list[mujoco.MjModel], threads: int) -> None:
+        self.models = models
+        self._batch = Batch(models[0], nsim=len(models), nthread=threads)
+        self._batch.set_models(models)
+        self.userdata = self._batch.bind("userdata")
+        self._qpos = self._batch.bind("qpos")
+
+    def start(self, robot: int, qpos: np.ndarray) -> None:
+        self._qpos[robot] = qpos
+
+    def step(self, robots: list[int], steps: int) -> None:
+        # Springs live in the models, and a batch takes over what was written in them only here.
+        self._batch.set_models(self.models)
+        self._batch.step(ids=np.array(robots), nstep=steps)
