@@ -22,7 +22,17 @@ _HOMES = {
     "simulate_many": "simulation",
 }
 
-__all__ = [*_HOMES]  # noqa: PLE0604
+__all__ = [
+    "Experiment",
+    "Optimum",
+    "ResonanceError",
+    "Run",
+    "Status",
+    "load",
+    "optimum",
+    "simulate",
+    "simulate_many",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -133,13 +133,13 @@ def _pointer(typing_context: Any, address: Any) -> Any:
 
 
 @numba.extending.register_jitable
-def _word(address, offset):
+def _word(address: int, offset: int) -> int:
     """The 8-byte integer or pointer at `address + offset`."""
     return carray(_pointer(address + offset), 1, np.intp)[0]
 
 
 @numba.extending.register_jitable
-def _doubles(address, size):
+def _doubles(address: int, size: int) -> np.ndarray:
     """View of `size` doubles at `address`."""
     return carray(_pointer(address), size, np.float64)
 
@@ -147,7 +147,7 @@ def _doubles(address, size):
 def _fingerprint() -> int:
     digest = hashlib.sha256()
     for module in (equations, springs, memory, controller):
-        digest.update(Path(module.__file__).read_bytes())
+        digest.update(Path(str(module.__file__)).read_bytes())
     return int.from_bytes(digest.digest()[:7], "big")
 
 

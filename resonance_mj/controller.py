@@ -7,6 +7,7 @@ act from the next step on, which is explicit Euler for (6) and (7).
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
 from . import equations, springs
@@ -14,7 +15,7 @@ from .memory import Header, matrix, vector
 
 
 @register_jitable
-def begins_step(memory):
+def begins_step(memory: np.ndarray) -> bool:
     """Whether this callback is the first of its time step, and the run goes on.
 
     RK4 calls back at each of its four stages; the law acts at the first and holds.
@@ -23,7 +24,9 @@ def begins_step(memory):
 
 
 @register_jitable
-def act(memory, qpos, qvel, tool, ctrl):
+def act(
+    memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray, tool: np.ndarray, ctrl: np.ndarray
+) -> None:
     """Measure the errors, set the motor torque (4), record the step, adapt the springs (6), (7).
 
     Args:
@@ -106,7 +109,16 @@ def act(memory, qpos, qvel, tool, ctrl):
 
 
 @register_jitable
-def adapt(memory, n, j, q, q_c, y, k, offset):
+def adapt(
+    memory: np.ndarray,
+    n: int,
+    j: int,
+    q: float,
+    q_c: float,
+    y: float,
+    k: np.ndarray,
+    offset: np.ndarray,
+) -> None:
     """One explicit Euler step of (6), (7) for joint `j`, kept within the springs' bounds."""
     gamma_k = vector(memory, Header.GAMMA_K, n)[j]
     gamma_qe = vector(memory, Header.GAMMA_QE, n)[j]
@@ -129,7 +141,7 @@ def adapt(memory, n, j, q, q_c, y, k, offset):
 
 
 @register_jitable
-def end_stage(memory, jnt_stiffness, qpos_spring):
+def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
     """Count this callback; after the last of a time step, write the springs into the model."""
     memory[Header.STAGE] += 1.0
     if memory[Header.STAGE] < memory[Header.STAGES]:
@@ -140,7 +152,7 @@ def end_stage(memory, jnt_stiffness, qpos_spring):
 
 
 @register_jitable
-def write_springs(memory, jnt_stiffness, qpos_spring):
+def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
     """Rewrite mjModel's joint springs with the k and q̄_e of the memory."""
     n = int(memory[Header.JOINTS])
     joint_id = vector(memory, Header.JOINT_ID, n)
@@ -155,7 +167,7 @@ def write_springs(memory, jnt_stiffness, qpos_spring):
 
 
 @register_jitable
-def halt(memory, qvel, ctrl):
+def halt(memory: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray) -> None:
     """Take the motors and springs away and hold the arm: what follows a failed step is not a run.
 
     Holding it keeps MuJoCo from integrating, and warning about, numbers that are not finite.

@@ -9,11 +9,12 @@ Shapes: n joints, m coordinates of the task. J is the (m, n) Jacobian of the tas
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
 
 @register_jitable
-def saturation(error, out):
+def saturation(error: np.ndarray, out: np.ndarray) -> None:
     """Saturated position error s(Δx), (5).
 
     Args:
@@ -30,7 +31,15 @@ def saturation(error, out):
 
 
 @register_jitable
-def motor_torque(J, k_v, k_p, rate, s, u, out):
+def motor_torque(
+    J: np.ndarray,
+    k_v: np.ndarray,
+    k_p: np.ndarray,
+    rate: np.ndarray,
+    s: np.ndarray,
+    u: np.ndarray,
+    out: np.ndarray,
+) -> None:
     """Motor torque τ = -Jᵀ (K_v Δẋ + K_p s(Δx)) + u, (4).
 
     Args:
@@ -50,7 +59,7 @@ def motor_torque(J, k_v, k_p, rate, s, u, out):
 
 
 @register_jitable
-def stiffness_rate(gamma_k, q, q_c, y):
+def stiffness_rate(gamma_k: float, q: float, q_c: float, y: float) -> float:
     """Adaptation of a joint's stiffness k̇ = γ_k (q - q_c) y, (6).
 
     Args:
@@ -66,7 +75,7 @@ def stiffness_rate(gamma_k, q, q_c, y):
 
 
 @register_jitable
-def offset_rate(gamma_qe, y):
+def offset_rate(gamma_qe: float, y: float) -> float:
     """Adaptation of a joint's offset torque d(q̄_e)/dt = -γ_qe y, (7).
 
     Args:
@@ -80,7 +89,9 @@ def offset_rate(gamma_qe, y):
 
 
 @register_jitable
-def error_inverse(J, rate, alpha, s, work, out):
+def error_inverse(
+    J: np.ndarray, rate: np.ndarray, alpha: float, s: np.ndarray, work: np.ndarray, out: np.ndarray
+) -> None:
     """Error signal y = J⁻¹ (Δẋ + α s(Δx)), (8), by Gaussian elimination with partial pivoting.
 
     Args:
@@ -121,7 +132,9 @@ def error_inverse(J, rate, alpha, s, work, out):
 
 
 @register_jitable
-def error_transpose(J, rate, alpha, s, out):
+def error_transpose(
+    J: np.ndarray, rate: np.ndarray, alpha: float, s: np.ndarray, out: np.ndarray
+) -> None:
     """Error signal y = Jᵀ (Δẋ + α s(Δx)): (8) with Jᵀ in place of J⁻¹, Sec. VI-C.
 
     Args:

@@ -25,7 +25,7 @@ Angles = Literal["mean"] | Annotated[tuple[Finite, ...], Field(min_length=1)]
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
 
 class Robot(_Model):
@@ -274,6 +274,20 @@ def load(name: str | os.PathLike[str]) -> Experiment:
             robot["mjcf"] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return _validate(values, str(path))
+
+
+def describe() -> list[tuple[str, str, str]]:
+    """Every key of an experiment file, its default as TOML and its meaning."""
+    rows: list[tuple[str, str, str]] = []
+    sections: dict[str, type[BaseModel]] = {"": Experiment, **_SECTIONS}
+    for section, model in sections.items():
+        for name, field in model.model_fields.items():
+            if section == "" and name in _SECTIONS:
+                continue
+            key = ".".join(filter(None, ("motion.0" if section == "motion" else section, name)))
+            default = "(none)" if field.is_required() else _shown(field.default)
+            rows.append((key, default, field.description or ""))
+    return rows
 
 
 def _find(name: str | os.PathLike[str]) -> Path:

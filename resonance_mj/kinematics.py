@@ -1,4 +1,4 @@
-"""Joint motion behind a task-space motion, for the evaluation only: the controller never uses it."""
+"""Joint motion behind a task-space motion: for the evaluation, never for the controller."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class JointMotion(NamedTuple):
 
 
 class Kinematics:
-    """Position, Jacobian and torque of a robot at chosen states, on a copy without joint springs."""
+    """Position, Jacobian and torque of a robot at chosen states, without its joint springs."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot

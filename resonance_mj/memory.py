@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
@@ -87,9 +88,12 @@ _SCALARS = (
     "failed_joint",  # its joint
 )
 
-Header = IntEnum(  # type: ignore[misc]
-    "Header", [name.upper() for name in (*_SCALARS, *ARRAYS)], start=0
-)
+
+def _numbered(names: list[str]) -> Any:
+    return IntEnum("Header", names, start=0)
+
+
+Header = _numbered([name.upper() for name in (*_SCALARS, *ARRAYS)])
 """Index of each number of the header; an array's is where it begins in the block."""
 
 
@@ -172,20 +176,20 @@ class Memory:
 
 
 @register_jitable
-def block(userdata):
+def block(userdata: np.ndarray) -> np.ndarray:
     """The controller's block of `userdata`."""
     return userdata[int(userdata[userdata.size - 1]) : userdata.size - 1]
 
 
 @register_jitable
-def vector(memory, name, size):
-    """View of an array of the block (size,)."""
+def vector(memory: np.ndarray, name: int, size: int) -> np.ndarray:
+    """View of the first `size` numbers of an array of the block, `Header.NAME`."""
     start = int(memory[name])
     return memory[start : start + size]
 
 
 @register_jitable
-def matrix(memory, name, rows, columns):
-    """View of an array of the block (rows, columns)."""
+def matrix(memory: np.ndarray, name: int, rows: int, columns: int) -> np.ndarray:
+    """View of an array of the block, `Header.NAME`, as (rows, columns)."""
     start = int(memory[name])
     return memory[start : start + rows * columns].reshape(rows, columns)

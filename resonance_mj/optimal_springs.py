@@ -1,8 +1,8 @@
 """The best constant springs for a motion: (2), (3), in the coordinates (k, q̄_e).
 
-There the cost J is a convex quadratic, separate for each joint, and the springs' bounds are a convex
-polygon, so that the optimum is unique: linear least squares without bounds, and with bounds the
-feasible point nearest to it in the metric of J.
+There the cost J is a convex quadratic, separate for each joint, and the springs' bounds are a
+convex polygon, so that the optimum is unique: linear least squares without bounds, and with bounds
+the feasible point nearest to it in the metric of J.
 """
 
 from __future__ import annotations
@@ -145,7 +145,11 @@ def best_springs(
         stiffness[j] = k
         offset[j] = level_of_spring + k * shift
         equilibrium[j] = (
-            center[j] + offset[j] / k if k else np.copysign(np.inf, offset[j]) if offset[j] else center[j]
+            center[j] + offset[j] / k
+            if k
+            else np.copysign(np.inf, offset[j])
+            if offset[j]
+            else center[j]
         )
     left = torque - springs.torque(stiffness, offset, q, center)
     step = period / len(q)

@@ -126,19 +126,19 @@ class Recording:
         ):
             data[name] = ("cycle", np.asarray(values, float), _about(units, meaning))
         for name, rows in (("stiffness", self._stiffness), ("offset", self._offset)):
-            values = np.asarray(rows, float).reshape(cycles, robot.n)
+            table = np.asarray(rows, float).reshape(cycles, robot.n)
             about = _about(UNITS[name], f"{MEANING[name]} at the end of the cycle")
-            data[f"{name}_per_cycle"] = (("cycle", "joint"), values, about)
+            data[f"{name}_per_cycle"] = (("cycle", "joint"), table, about)
         for name, units in (("stiffness", "N m/rad"), ("offset", "N m"), ("equilibrium", "rad")):
-            values = np.array([getattr(best, name) for best in optima])
+            table = np.array([getattr(best, name) for best in optima])
             about = _about(units, f"{name} of the optimal springs")
-            data[f"{name}_optimal"] = (("segment", "joint"), values, about)
+            data[f"{name}_optimal"] = (("segment", "joint"), table, about)
         for name, attribute in (
             ("torque_squared_optimal", "torque_squared"),
             ("torque_squared_without_springs", "torque_squared_without_springs"),
         ):
-            values = np.array([getattr(best, attribute) for best in optima])
-            data[name] = ("segment", values, _about(squared, name.replace("_", " ")))
+            row = np.array([getattr(best, attribute) for best in optima])
+            data[name] = ("segment", row, _about(squared, name.replace("_", " ")))
         ends = np.cumsum([motion.duration for motion in experiment.motion])
         starts = np.concatenate([[0.0], ends[:-1]])
         data["start"] = ("segment", starts, _about("s", "start of the motion"))

@@ -1,4 +1,4 @@
-"""A run: labelled arrays with units, how it ended, a summary; saved to a folder and loaded again."""
+"""A run: labelled arrays with units, how it ended, a summary; saved to a folder and loaded."""
 
 from __future__ import annotations
 
@@ -27,12 +27,15 @@ class Status(StrEnum):
     OK = "ok"
     """All cycles were simulated."""
     DIVERGED = "diverged"
-    """The motion left all bounds: try `law.lead = 1`, a smaller `law.beta` or a shorter time step."""
+    """The arm left all bounds: try `law.lead = 1`, a smaller `law.beta` or a shorter time step."""
 
 
 def versions() -> dict[str, str]:
     """Versions of this package and of those whose arithmetic a run depends on."""
-    found = {"python": platform.python_version(), "platform": f"{sys.platform}-{platform.machine()}"}
+    found = {
+        "python": platform.python_version(),
+        "platform": f"{sys.platform}-{platform.machine()}",
+    }
     for name in ("resonance-mj", "mujoco", "numpy", "numba", "xarray"):
         try:
             found[name] = version(name)

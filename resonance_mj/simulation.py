@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 
 import mujoco
-import numpy as np
 
 from . import controller, learning
 from .callback import installed

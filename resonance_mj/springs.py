@@ -11,20 +11,21 @@ The functions are plain Python and compile under Numba when compiled code calls 
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
 LIMP = 1e-12
-"""Stiffness [N m/rad] that stands for 0 where a spring without bounds must exert an offset torque."""
+"""Stiffness [N m/rad] in place of 0 where a spring without bounds must exert an offset torque."""
 
 
 @register_jitable
-def torque(k, offset, q, q_c):
+def torque(k: np.ndarray, offset: np.ndarray, q: np.ndarray, q_c: np.ndarray) -> np.ndarray:
     """Torque -k (q - q_c) + q̄_e of a spring [N m]."""
     return offset - k * (q - q_c)
 
 
 @register_jitable
-def equilibrium(k, offset, q_c):
+def equilibrium(k: float, offset: float, q_c: float) -> tuple[float, float]:
     """Stiffness to write and equilibrium angle q_e = q̄_e / k + q_c of a spring.
 
     Returns:
@@ -38,7 +39,9 @@ def equilibrium(k, offset, q_c):
 
 
 @register_jitable
-def nearest(k, offset, k_min, k_max, low, high, weight):
+def nearest(
+    k: float, offset: float, k_min: float, k_max: float, low: float, high: float, weight: float
+) -> tuple[float, float]:
     """The feasible spring nearest to (k, q̄_e) in the metric weight (Δk)² + (Δq̄_e)².
 
     With weight = var(q) it is the projection of the cost (3), with weight = γ_qe / γ_k that of the

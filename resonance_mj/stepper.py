@@ -6,7 +6,6 @@ from typing import Protocol
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
 
 class Stepper(Protocol):
@@ -15,9 +14,11 @@ class Stepper(Protocol):
     userdata: np.ndarray
     models: list[mujoco.MjModel]
 
-    def start(self, robot: int, qpos: np.ndarray) -> None: ...
+    def start(self, robot: int, qpos: np.ndarray) -> None:
+        """Place a robot at rest at `qpos` (nq,)."""
 
-    def step(self, robots: list[int], steps: int) -> None: ...
+    def step(self, robots: list[int], steps: int) -> None:
+        """Advance some of the robots by a number of time steps."""
 
 
 class Alone:
@@ -29,9 +30,11 @@ class Alone:
         self.userdata = self._data.userdata[None]
 
     def start(self, robot: int, qpos: np.ndarray) -> None:
+        """Place a robot at rest at `qpos` (nq,)."""
         self._data.qpos[:] = qpos
 
     def step(self, robots: list[int], steps: int) -> None:
+        """Advance the robot by a number of time steps."""
         mujoco.mj_step(self.models[0], self._data, steps)
 
 
@@ -39,6 +42,8 @@ class Together:
     """Robots of one layout in a `mujoco.batch`, each with its own model."""
 
     def __init__(self, models: list[mujoco.MjModel], threads: int) -> None:
+        from mujoco.batch import Batch  # probes every field when imported, which takes a while
+
         self.models = models
         self._batch = Batch(models[0], nsim=len(models), nthread=threads)
         self._batch.set_models(models)
@@ -46,9 +51,11 @@ class Together:
         self._qpos = self._batch.bind("qpos")
 
     def start(self, robot: int, qpos: np.ndarray) -> None:
+        """Place a robot at rest at `qpos` (nq,)."""
         self._qpos[robot] = qpos
 
     def step(self, robots: list[int], steps: int) -> None:
+        """Advance some of the robots by a number of time steps."""
         # Springs live in the models, and a batch takes over what was written in them only here.
         self._batch.set_models(self.models)
         self._batch.step(ids=np.array(robots), nstep=steps)

@@ -55,7 +55,7 @@ def _checked_offsets(name: str, fields: tuple[str, ...], owner: Any) -> tuple[in
         if getattr(live, field) != expected:
             raise CallbackError(
                 f"MuJoCo {mujoco.__version__}: {name}.{field} is not where mujoco.introspect "
-                "says, so that no control callback can be compiled for it; use a version >= 4.0, < 5"
+                "says, so that no control callback can be compiled for it; use MuJoCo >= 4.0, < 5"
             )
     return tuple(getattr(structure, field).offset for field in fields)
 

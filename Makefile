@@ -1,0 +1,39 @@
+# Everything runs in .venv, which is made on first use; python3 (>= 3.11) with venv is all it needs.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: paper test check format benchmark clean
+
+paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
+	$(BIN)/resonance-mj run paper
+
+test: $(VENV)/installed-dev   ## run the tests
+	$(BIN)/python -m pytest
+
+check: $(VENV)/installed-dev   ## format, lint, types, import order
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/installed-dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+benchmark: $(VENV)/installed-dev   ## the compiled law beside a bare step and a NumPy loop
+	$(BIN)/python benchmarks/closed_loop.py
+
+clean:
+	rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/installed: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+$(VENV)/installed-dev: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	touch $@ $(VENV)/installed

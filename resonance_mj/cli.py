@@ -1,0 +1,337 @@
+"""The command line: the only place that prints or exits."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import threading
+import tomllib
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .errors import ExperimentError, ResonanceError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from .experiment import Experiment
+    from .optimal_springs import Optimum
+    from .run import Run
+
+DONE, NOT_WELL, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns:
+        The exit status: 0 done, 1 the run did not end well, 2 bad input.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        changes, rest = _split(arguments)
+        options = _parser().parse_args(rest)
+        options.changes = changes
+        if changes and options.command not in (_run, _optimum):
+            key = next(iter(changes))
+            raise ExperimentError(f"--{key}: this command takes no keys of an experiment")
+        return int(options.command(options))
+    except ResonanceError as error:
+        print(f"resonance-mj: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("resonance-mj: interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ExperimentError(f"{message}; see {self.prog} --help")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="resonance-mj",
+        description="Tune a robot's joint springs to its motion, in MuJoCo.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    run = _command(commands, "run", _run, "simulate an experiment and write its run")
+    run.add_argument("experiment", metavar="NAME|PATH", help="a built-in name, or a TOML file")
+    run.add_argument("--out", metavar="FOLDER", type=Path, help="where to write; runs/NAME")
+    run.add_argument(
+        "--interpret", action="store_true", help="run the law as plain Python, for a debugger"
+    )
+    run.epilog = _KEYS
+
+    optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
+    optimum.add_argument("experiment", metavar="NAME|PATH", help="a built-in name, or a TOML file")
+    optimum.epilog = _KEYS
+
+    plot = _command(commands, "plot", _plot, "draw the figure of a run again")
+    plot.add_argument("run", metavar="RUN", type=Path, help="a run's folder, such as runs/paper")
+    plot.add_argument("--out", metavar="FOLDER", type=Path, help="where to write; the run's folder")
+
+    _command(commands, "list", _list, "the experiments and robots that come with the program")
+    _command(commands, "keys", _keys, "every key of an experiment, with unit and default")
+
+    _command(commands, "version", _version, "versions of this program and what it uses")
+    return parser
+
+
+_KEYS = (
+    "Every key of the experiment is an option, with its value as in the file: --law.beta 3, "
+    "--law.k_v 200,300, --springs.stiffness=-inf,inf, --motion.0.period 0.5. "
+    "`resonance-mj keys` lists them."
+)
+
+
+def _command(commands: Any, name: str, function: Callable[..., int], help_: str) -> _Parser:
+    parser = commands.add_parser(
+        name, help=help_, description=help_[0].upper() + help_[1:] + ".", allow_abbrev=False
+    )
+    parser.set_defaults(command=function)
+    return parser
+
+
+def _split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:
+    """Take the options with a dot, `--law.beta 3` or `--law.beta=3`, out of the arguments."""
+    changes: dict[str, Any] = {}
+    rest: list[str] = []
+    tokens = iter(arguments)
+    for token in tokens:
+        key, equals, text = token.removeprefix("--").partition("=")
+        if not token.startswith("--") or "." not in key:
+            rest.append(token)
+            continue
+        if not equals:
+            following = next(tokens, None)
+            if following is None or following.startswith("--"):
+                raise ExperimentError(f"--{key}: a value must follow, as in --{key}=VALUE")
+            text = following
+        changes[key] = _value(text)
+    return changes, rest
+
+
+def _value(text: str) -> Any:
+    """A value as a TOML file would have it; `1,2` is a list, and what is no TOML is a string."""
+    for literal in (text, f"[{text}]") if "," in text else (text,):
+        try:
+            return tomllib.loads(f"value = {literal}")["value"]
+        except tomllib.TOMLDecodeError:
+            continue
+    return text.split(",") if "," in text else text
+
+
+def _experiment(options: argparse.Namespace) -> Experiment:
+    from .experiment import load
+
+    return load(options.experiment).replace(options.changes)
+
+
+def _run(options: argparse.Namespace) -> int:
+    experiment = _experiment(options)
+    from .files import writable
+    from .run import Status
+
+    folder = writable(options.out or Path("runs") / experiment.name)
+    console = _console()
+    # Imported while MuJoCo steps, which leaves Python's lock to others.
+    threading.Thread(target=import_module, args=("resonance_mj.figures",), daemon=True).start()
+    run = _simulate(experiment, options.interpret, console)
+    run.save(folder)
+    written = ["run.nc", "summary.json", "experiment.toml"]
+    if run.data.sizes["time"]:
+        from . import figures
+
+        written += [path.name for path in figures.save(figures.figure(run), folder)]
+    console.print(_summary_table(run))
+    if run.data.attrs["thinned"]:
+        kept = len(set(run.data["cycle_of_sample"].values.tolist()))
+        console.print(
+            f"Samples of {kept} of {run.data.sizes['cycle']} cycles were kept "
+            f"(simulation.samples = {experiment.simulation.samples})."
+        )
+    console.print(f"{folder}: {', '.join(written)}", soft_wrap=True)
+    if run.status is Status.OK:
+        return DONE
+    print(f"resonance-mj: {experiment.name}: {run.status}: {run.message}", file=sys.stderr)
+    return NOT_WELL
+
+
+def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
+    """Simulate behind a progress bar."""
+    from rich import progress
+
+    from . import simulation
+
+    bars = progress.Progress(
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TextColumn("cycles"),
+        progress.TimeElapsedColumn(),
+        progress.TextColumn("left"),
+        progress.TimeRemainingColumn(),
+        console=console,
+    )
+    with bars:
+        total = sum(motion.cycles for motion in experiment.motion)
+        bar = bars.add_task(f"{experiment.name}: preparing the law", total=total)
+
+        def show(done: int, _: int) -> None:
+            bars.update(bar, completed=done, description=experiment.name)
+
+        return simulation.simulate(experiment, interpret=interpret, progress=show)
+
+
+def _optimum(options: argparse.Namespace) -> int:
+
+    experiment = _experiment(options)
+    from . import robot
+    from .optimal_springs import along, follow
+
+    arm = robot.build(experiment)
+    best = along(experiment, arm, follow(experiment, arm))
+    _console().print(_optimum_table(experiment, arm.joints, best))
+    return DONE
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from . import figures
+    from .files import writable
+    from .run import Run
+
+    run = Run.load(options.run)
+    for path in figures.save(figures.figure(run), writable(options.out or options.run)):
+        print(path)
+    return DONE
+
+
+def _list(options: argparse.Namespace) -> int:
+    from rich.table import Table
+
+    from . import library
+    from .experiment import load
+
+    table = Table(title="experiments", title_justify="left", box=None, padding=(0, 2, 0, 0))
+    for heading in ("name", "robot", "motions", "cycles", "law"):
+        table.add_column(heading, justify="right" if heading in ("motions", "cycles") else "left")
+    for name in library.experiments():
+        one = load(name)
+        cycles = sum(motion.cycles for motion in one.motion)
+        law = f"{one.law.kind}, J {one.law.jacobian}"
+        table.add_row(name, Path(one.robot.mjcf).name, str(len(one.motion)), str(cycles), law)
+    console = _console()
+    console.print(table)
+    console.print(f"\nrobots: {', '.join(library.robots())} in {library.folder('mjcf')}")
+    return DONE
+
+
+def _keys(options: argparse.Namespace) -> int:
+    from rich.table import Table
+
+    from .experiment import describe
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for heading in ("key", "default", "meaning"):
+        table.add_column(heading)
+    for key, default, meaning in describe():
+        table.add_row(key, default, meaning)
+    _console().print(table)
+    return DONE
+
+
+def _version(options: argparse.Namespace) -> int:
+    from .run import versions
+
+    for name, number in versions().items():
+        print(f"{name} {number}")
+    return DONE
+
+
+def _summary_table(run: Run) -> Table:
+    """The figures of each motion's last whole cycle beside the optimum's."""
+    segments = run.summary()["segments"]
+    table = _table(f"{run.experiment.name}: last cycle of each motion", len(segments))
+
+    def row(label: str, key: str, scale: float, digits: int, joint: int | None = None) -> None:
+        cells = [label]
+        for segment in segments:
+            for name in (key, f"{key}_optimal"):
+                value = segment.get(name)
+                if isinstance(value, list) and joint is not None:
+                    value = value[joint]
+                cells.append(_number(value, scale, digits) if name in segment else "")
+        table.add_row(*cells)
+
+    row("torque reduction [%]", "torque_reduction", 100, 1)
+    row("mean torque² [N² m²]", "torque_squared", 1, 2)
+    row("  without springs", "torque_squared_without_springs", 1, 2)
+    for joint, name in enumerate(run.data["joint"].values):
+        row(f"stiffness {name} [N m/rad]", "stiffness", 1, 3, joint)
+    for joint, name in enumerate(run.data["joint"].values):
+        row(f"offset {name} [N m]", "offset", 1, 3, joint)
+    row("tracking RMS [mm]", "tracking_rms", 1e3, 3)
+    row("first cycle at the optimum", "cycles_to_optimum", 1, 0)
+    return table
+
+
+def _optimum_table(experiment: Experiment, joints: tuple[str, ...], best: list[Optimum]) -> Table:
+    from rich.table import Table
+
+    table = Table(title=f"{experiment.name}: optimal springs", title_justify="left", box=None)
+    table.add_column("")
+    for index in range(len(best)):
+        table.add_column(f"motion {index + 1}", justify="right")
+    for j, joint in enumerate(joints):
+        table.add_row(
+            f"stiffness {joint} [N m/rad]", *(_number(b.stiffness[j], 1, 3) for b in best)
+        )
+        table.add_row(f"offset {joint} [N m]", *(_number(b.offset[j], 1, 3) for b in best))
+        table.add_row(
+            f"equilibrium {joint} [rad]", *(_number(b.equilibrium[j], 1, 3) for b in best)
+        )
+        table.add_row(f"center {joint} [rad]", *(_number(b.center[j], 1, 3) for b in best))
+    table.add_row("cost J_min [N² m² s]", *(_number(b.cost, 1, 3) for b in best))
+    table.add_row(
+        "cost without springs [N² m² s]", *(_number(b.cost_without_springs, 1, 3) for b in best)
+    )
+    table.add_row("torque reduction [%]", *(_number(b.torque_reduction, 100, 1) for b in best))
+    return table
+
+
+def _table(title: str, motions: int) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("")
+    for index in range(motions):
+        table.add_column(f"motion {index + 1}", justify="right")
+        table.add_column("optimum", justify="right", style="dim")
+    return table
+
+
+def _console() -> Console:
+    from rich.console import Console
+
+    return Console(markup=False, highlight=False)
+
+
+def _number(value: float | None, scale: float, digits: int) -> str:
+    return "never" if value is None else f"{value * scale:.{digits}f}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

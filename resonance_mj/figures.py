@@ -1,0 +1,286 @@
+"""Figures of a run: the layout of the paper's Fig. 4 (a)-(h), and torque² per cycle below."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+
+from .files import replacing
+from .run import Run
+
+# Okabe and Ito's palette: told apart by colour-blind readers.
+MEASURED = "#0072B2"
+OPTIMAL = "#D55E00"
+DESIRED = "#000000"
+MUTED = "#7F7F7F"
+
+STYLE: Any = {
+    "font.size": 8,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "svg.fonttype": "none",
+}
+
+
+def figure(run: Run) -> Figure:
+    """The paper's Fig. 4 for a run, and torque² per cycle against the optimum.
+
+    Tip position with its reference, stiffness and offset torque with their optimum, motor torque
+    with the optimum's. Signals that repeat with the motion are shown where something happens: at
+    the start, around each change of motion and at the end.
+
+    Args:
+        run: a run with at least one recorded sample.
+    """
+    with matplotlib.rc_context(STYLE):
+        return _draw(run)
+
+
+def save(drawn: Figure, folder: Path, name: str = "figure") -> list[Path]:
+    """Write a figure as NAME.svg and NAME.png into `folder`.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    svg, png = folder / f"{name}.svg", folder / f"{name}.png"
+    # Each canvas is told to print itself: Figure.savefig draws everything twice.
+    with matplotlib.rc_context(STYLE):
+        with replacing(svg) as path:
+            FigureCanvasSVG(drawn).print_svg(path, metadata={"Date": None})
+        drawn.set_dpi(130)
+        with replacing(png) as path:
+            FigureCanvasAgg(drawn).print_png(path, pil_kwargs={"compress_level": 3})
+    return [svg, png]
+
+
+def _draw(run: Run) -> Figure:
+    data = run.data
+    axes, joints = data["axis"].values, data["joint"].values
+    columns = max(len(axes), len(joints))
+    width, height = 4.6 * columns, 11.0
+    fig = Figure(figsize=(width, height))
+    # Fixed margins in inches: laying out by measuring every text takes longer than the simulation.
+    grid = GridSpec(
+        5,
+        columns,
+        figure=fig,
+        height_ratios=[1, 0.8, 0.8, 1, 1.1],
+        left=0.5 / width,
+        right=1 - 0.15 / width,
+        bottom=0.5 / height,
+        top=1 - 0.62 / height,
+        hspace=0.42,
+        wspace=0.16,
+    )
+    letters = iter("abcdefghijklmnopqrstuvwxyz" * 2)
+    windows = _Windows(data)
+    for column, axis in enumerate(axes):
+        ax = fig.add_subplot(grid[0, column])
+        ax.set_title(f"({next(letters)}) tool position {axis} [m]")
+        windows.plot(ax, data, data["x"].sel(axis=axis), MEASURED, "-", "measured")
+        windows.plot(ax, data, data["x_desired"].sel(axis=axis), DESIRED, "--", "desired")
+        windows.label(ax)
+        _legend(ax)
+    for row, name, words in (
+        (1, "stiffness", "stiffness k of {} [N m/rad]"),
+        (2, "offset", "offset torque q̄ₑ of {} [N m]"),
+    ):
+        for column, joint in enumerate(joints):
+            ax = fig.add_subplot(grid[row, column])
+            ax.set_title(f"({next(letters)}) {words.format(joint)}")
+            _against_optimum(ax, data.sel(joint=joint), name)
+    for column, joint in enumerate(joints):
+        ax = fig.add_subplot(grid[3, column])
+        ax.set_title(f"({next(letters)}) motor torque τ of {joint} [N m]")
+        tau, best = data["tau"].sel(joint=joint), data["tau_optimal"].sel(joint=joint)
+        windows.plot(ax, data, tau, MEASURED, "-", "measured")
+        windows.plot(ax, data, best, OPTIMAL, "--", "optimal")
+        windows.label(ax)
+        _steady_limits(ax, data, tau.values, best.values)
+        _legend(ax)
+    ax = fig.add_subplot(grid[4, :])
+    ax.set_title(f"({next(letters)}) mean of τᵀτ per cycle [N² m²]")
+    _torque_squared(ax, data)
+    fig.suptitle(
+        _heading(run), x=0.5 / width, y=1 - 0.18 / height, ha="left", va="top", fontsize=10
+    )
+    return fig
+
+
+def _heading(run: Run) -> str:
+    law, motions = run.experiment.law, run.experiment.motion
+    periods = ", ".join(f"{motion.cycles} × {motion.period:g} s" for motion in motions)
+    return (
+        f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, law {law.kind} "
+        f"(J {law.jacobian}), cycles {periods}; {run.status}"
+    )
+
+
+class _Windows:
+    """A time axis that shows only where something happens, and breaks in between.
+
+    That is the start, two cycles on either side of each change of motion, and the end.
+    """
+
+    def __init__(self, data: xr.Dataset) -> None:
+        time = data["time"].values
+        starts, ends = data["start"].values, data["end"].values
+        cycles = np.bincount(data["segment_of_cycle"].values - 1, minlength=len(starts))
+        last = float(min(time[-1] + np.diff(time[-2:]).sum(), ends[-1]))
+        period = [
+            (end - start) / max(n, 1) for start, end, n in zip(starts, ends, cycles, strict=True)
+        ]
+        reached = int(np.searchsorted(starts, last, side="right")) - 1
+        wanted = [(0.0, 2 * period[0])]
+        wanted += [
+            (starts[i] - 2 * period[i - 1], starts[i] + 2 * period[i])
+            for i in range(1, reached + 1)
+        ]
+        wanted.append((last - 2 * period[reached], last))
+        self.spans: list[tuple[float, float]] = []
+        for low, high in wanted:
+            low, high = max(low, 0.0), min(high, last)
+            if self.spans and low <= self.spans[-1][1]:
+                self.spans[-1] = (self.spans[-1][0], high)
+            else:
+                self.spans.append((low, high))
+        self._gap = 0.06 * max(sum(high - low for low, high in self.spans), 1e-9)
+        widths = [high - low + self._gap for low, high in self.spans]
+        self.left = np.concatenate([[0.0], np.cumsum(widths)])
+
+    def plot(
+        self, ax: Axes, data: xr.Dataset, values: xr.DataArray, colour: str, dash: str, label: str
+    ) -> None:
+        """Draw a signal over the windows."""
+        for (low, high), left in zip(self.spans, self.left, strict=False):
+            for time, piece in _pieces(data["time"].values, values.values, low, high):
+                ax.plot(time - low + left, piece, color=colour, linestyle=dash, label=label)
+                label = "_"
+
+    def label(self, ax: Axes) -> None:
+        """Put the times on the axis, and mark where it breaks."""
+        places: list[float] = []
+        names: list[str] = []
+        for index, ((low, high), left) in enumerate(zip(self.spans, self.left, strict=False)):
+            ticks: Any = MaxNLocator(
+                nbins=4, steps=[1, 2, 5, 10], integer=high - low >= 2
+            ).tick_values(low, high)
+            ticks = ticks[(ticks >= low - 1e-9) & (ticks <= high + 1e-9)]
+            places += list(ticks - low + left)
+            names += [f"{tick:g}" for tick in ticks]
+            if index:
+                ax.axvspan(left - self._gap, left, color="0.93", linewidth=0, zorder=3)
+        ax.set_xticks(places, names)
+        ax.set_xlim(0, self.left[-1] - self._gap)
+        ax.set_xlabel("time [s]", labelpad=1)
+
+
+def _steady_limits(ax: Axes, data: xr.Dataset, *signals: np.ndarray) -> None:
+    """Scale an axis to the motion's own torque; a peak at its start or change is said in words."""
+    cycle = data["cycle_of_sample"].values
+    segment = data["segment_of_cycle"].values
+    first = np.flatnonzero(np.diff(segment, prepend=0)) + 1
+    steady = ~np.isin(cycle, np.concatenate([first, first + 1])) & (cycle <= len(segment))
+    if not steady.any():
+        return
+    high = max(float(signal[steady].max()) for signal in signals)
+    low = min(float(signal[steady].min()) for signal in signals)
+    margin = 0.25 * max(high - low, 1e-9)
+    ax.set_ylim(low - margin, high + margin)
+    peak = signals[0][np.argmax(np.abs(signals[0]))]
+    if not low - margin <= peak <= high + margin:
+        when = data["time"].values[np.argmax(np.abs(signals[0]))]
+        ax.annotate(
+            f"peak {peak:.0f} N m at {when:.2f} s",
+            (0.01, 0.03),
+            xycoords="axes fraction",
+            color=MUTED,
+            bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1},
+        )
+
+
+def _pieces(
+    time: np.ndarray, values: np.ndarray, low: float, high: float
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """A signal between two times, cut where cycles were left out, at most 1500 points in all."""
+    inside = np.flatnonzero((time >= low) & (time <= high))
+    if not inside.size:
+        return
+    gap = 1.5 * np.median(np.diff(time[inside])) if inside.size > 1 else np.inf
+    for piece in np.split(inside, np.flatnonzero(np.diff(time[inside]) > gap) + 1):
+        thin = piece[:: max(1, inside.size // 1500)]
+        yield time[thin], values[thin]
+
+
+def _against_optimum(ax: Axes, data: xr.Dataset, name: str) -> None:
+    """An adapted parameter over the whole run, with its optimum dashed."""
+    keep = slice(None, None, max(1, data.sizes["time"] // 1500))
+    ax.plot(data["time"].values[keep], data[name].values[keep], color=MEASURED, label="adapted")
+    optimal, starts, ends = (data[key].values for key in (f"{name}_optimal", "start", "end"))
+    ax.hlines(optimal, starts, ends, color=OPTIMAL, linestyle="--", label="optimal")
+    ax.set_xlim(0, ends[-1])
+    ax.set_xlabel("time [s]", labelpad=1)
+    _legend(ax)
+
+
+def _torque_squared(ax: Axes, data: xr.Dataset) -> None:
+    cycles, segment = data["cycle"].values, data["segment_of_cycle"].values
+    for index, number in enumerate(data["segment"].values):
+        mine = cycles[segment == number]
+        if not mine.size:
+            continue
+        one = data.sel(segment=number)
+        without = float(one["torque_squared_without_springs"])
+        optimal = float(one["torque_squared_optimal"])
+        ends = (mine[0] - 0.5, mine[-1] + 0.5)
+        shown = "_" if index else ""
+        ax.hlines(without, *ends, color=MUTED, linestyle=":", label=f"{shown}without springs")
+        ax.hlines(optimal, *ends, color=OPTIMAL, linestyle="--", label=f"{shown}optimal springs")
+        last = float(data["torque_squared"].sel(cycle=mine[-1]))
+        ax.annotate(
+            f"{1 - last / without:.1%} less than without springs "
+            f"(optimum {1 - optimal / without:.1%})",
+            (mine[-1], without),
+            xytext=(-4, 4),
+            textcoords="offset points",
+            ha="right",
+        )
+    ax.plot(cycles, data["torque_squared"].values, "o-", ms=2.5, color=MEASURED, label="measured")
+    ax.set_yscale("log")
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.set_xlim(0.5, max(cycles[-1], 2) + 0.5 if cycles.size else 1)
+    ax.set_xlabel("cycle", labelpad=1)
+    _legend(ax)
+
+
+def _legend(ax: Axes) -> None:
+    """A legend above the axes' right end, in the line of the title."""
+    ax.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.98),
+        ncols=3,
+        borderaxespad=0.1,
+        handlelength=1.5,
+        handletextpad=0.5,
+        columnspacing=1.2,
+    )
