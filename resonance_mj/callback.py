@@ -24,7 +24,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from . import controller, equations, memory, springs, structs
-from .controller import act, begins_step, end_stage
+from .controller import act, begins_step, end_stage, hold
 from .errors import CallbackError
 from .memory import Header, block, matrix
 
@@ -71,6 +71,7 @@ def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
         mujoco.mj_jacSite(model, data, jacobian, None, site)
         act(mem, data.qpos, data.qvel, data.site_xpos[site], data.ctrl)
+    hold(mem, data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
 
 
@@ -89,25 +90,29 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
     fingerprint of all sources are among them is what makes a cached callback safe to reuse: another
     MuJoCo, or an edit in any file of the law, compiles anew.
     """
-    jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nsite, nuserdata = model_offsets
-    userdata, qpos, qvel, ctrl, site_xpos = data_offsets
+    jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
+    userdata, qpos, qvel, ctrl, site_xpos, qfrc_bias, qfrc_passive = data_offsets
 
     @numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")
     def control(model: int, data: int) -> None:
         sources  # noqa: B018
         user = _doubles(_word(data, userdata), _word(model, nuserdata))
         mem = block(user)
+        speed = _doubles(_word(data, qvel), _word(model, nv))
+        motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):
             site = int(mem[Header.SITE])
             jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
             _mj_jacSite(model, data, jacobian.ctypes.data, 0, site)
-            act(
-                mem,
-                _doubles(_word(data, qpos), _word(model, nq)),
-                _doubles(_word(data, qvel), _word(model, nv)),
-                _doubles(_word(data, site_xpos), 3 * _word(model, nsite))[3 * site : 3 * site + 3],
-                _doubles(_word(data, ctrl), _word(model, nu)),
-            )
+            tool = _doubles(_word(data, site_xpos), 3 * (site + 1))[3 * site :]
+            act(mem, _doubles(_word(data, qpos), _word(model, nq)), speed, tool, motors)
+        hold(
+            mem,
+            speed,
+            motors,
+            _doubles(_word(data, qfrc_bias), _word(model, nv)),
+            _doubles(_word(data, qfrc_passive), _word(model, nv)),
+        )
         end_stage(
             mem,
             _doubles(_word(model, jnt_stiffness), _word(model, njnt)),

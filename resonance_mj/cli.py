@@ -283,7 +283,9 @@ def _summary_table(run: Run) -> Table:
     for joint, name in enumerate(run.data["joint"].values):
         row(f"offset {name} [N m]", "offset", 1, 3, joint)
     row("tracking RMS [mm]", "tracking_rms", 1e3, 3)
-    row("first cycle at the optimum", "cycles_to_optimum", 1, 0)
+    reached = [segment["cycles_to_optimum"] for segment in segments]
+    cells = ((str(cycle or "never"), "") for cycle in reached)
+    table.add_row("first cycle at the optimum", *(cell for pair in cells for cell in pair))
     return table
 
 
@@ -330,7 +332,7 @@ def _console() -> Console:
 
 
 def _number(value: float | None, scale: float, digits: int) -> str:
-    return "never" if value is None else f"{value * scale:.{digits}f}"
+    return "-" if value is None else f"{value * scale:.{digits}f}"
 
 
 if __name__ == "__main__":

@@ -5,8 +5,6 @@ current and the joint springs' torque of this step has been computed already: sp
 act from the next step on, which is explicit Euler for (6) and (7).
 """
 
-import math
-
 import numpy as np
 from numba.extending import register_jitable
 
@@ -83,12 +81,13 @@ def act(
         tau,
     )
 
+    torque_limit = vector(memory, Header.TORQUE_LIMIT, n)
     for j in range(n):
-        speed = qvel[int(dof_address[j])]
-        if not (abs(speed) <= memory[Header.SPEED_LIMIT] and math.isfinite(tau[j] + y[j])):
+        speed = abs(qvel[int(dof_address[j])])
+        # Written so that what is not a number fails too.
+        if not (speed <= memory[Header.SPEED_LIMIT] and abs(tau[j]) <= torque_limit[j]):
             memory[Header.FAILED_STEP] = step + 1
             memory[Header.FAILED_JOINT] = j
-            halt(memory, qvel, ctrl)
             return
 
     columns = int(memory[Header.COLUMNS])
@@ -167,18 +166,19 @@ def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np
 
 
 @register_jitable
-def halt(memory: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray) -> None:
-    """Take the motors and springs away and hold the arm: what follows a failed step is not a run.
+def hold(memory: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
+    """Stop the arm, without motors or forces, if the run has failed: what follows is no run.
 
-    Holding it keeps MuJoCo from integrating, and warning about, numbers that are not finite.
+    It keeps MuJoCo from integrating, and warning about, numbers that are not finite.
+
+    Args:
+        memory: the controller's block.
+        qvel: mjData.qvel, written.
+        ctrl: mjData.ctrl, written.
+        forces: mjData.qfrc_bias and mjData.qfrc_passive, written.
     """
-    n = int(memory[Header.JOINTS])
-    dof_address = vector(memory, Header.DOF_ADDRESS, n)
-    actuator_id = vector(memory, Header.ACTUATOR_ID, n)
-    k = vector(memory, Header.STIFFNESS, n)
-    offset = vector(memory, Header.OFFSET, n)
-    for j in range(n):
-        qvel[int(dof_address[j])] = 0.0
-        ctrl[int(actuator_id[j])] = 0.0
-        k[j] = 0.0
-        offset[j] = 0.0
+    if memory[Header.FAILED_STEP] > 0.0:
+        qvel[:] = 0.0
+        ctrl[:] = 0.0
+        for force in forces:
+            force[:] = 0.0

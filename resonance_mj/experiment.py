@@ -21,7 +21,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Gain = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Gains = Gain | Annotated[tuple[Gain, ...], Field(min_length=1)]
-Angles = Literal["mean"] | Annotated[tuple[Finite, ...], Field(min_length=1)]
+Angles = Literal["mean"] | Finite | Annotated[tuple[Finite, ...], Field(min_length=1)]
 
 
 class _Model(BaseModel):
@@ -44,6 +44,11 @@ class Task(_Model):
 
     coordinates: Annotated[tuple[Literal["x", "y", "z"], ...], Field(min_length=1)] = ("x", "z")
     """Coordinates of the tool in the world frame."""
+
+    @field_validator("coordinates", mode="before")
+    @classmethod
+    def _one_alone(cls, value: Any) -> Any:
+        return (value,) if isinstance(value, str) else value
 
     @field_validator("coordinates")
     @classmethod

@@ -24,6 +24,7 @@ MEASURED = "#0072B2"
 OPTIMAL = "#D55E00"
 DESIRED = "#000000"
 MUTED = "#7F7F7F"
+LABEL_BOX = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1}
 
 STYLE: Any = {
     "font.size": 8,
@@ -143,12 +144,8 @@ class _Windows:
 
     def __init__(self, data: xr.Dataset) -> None:
         time = data["time"].values
-        starts, ends = data["start"].values, data["end"].values
-        cycles = np.bincount(data["segment_of_cycle"].values - 1, minlength=len(starts))
+        starts, ends, period = (data[name].values for name in ("start", "end", "period"))
         last = float(min(time[-1] + np.diff(time[-2:]).sum(), ends[-1]))
-        period = [
-            (end - start) / max(n, 1) for start, end, n in zip(starts, ends, cycles, strict=True)
-        ]
         reached = int(np.searchsorted(starts, last, side="right")) - 1
         wanted = [(0.0, 2 * period[0])]
         wanted += [
@@ -190,7 +187,7 @@ class _Windows:
             if index:
                 ax.axvspan(left - self._gap, left, color="0.93", linewidth=0, zorder=3)
         ax.set_xticks(places, names)
-        ax.set_xlim(0, self.left[-1] - self._gap)
+        ax.set_xlim(0, max(self.left[-1] - self._gap, 1e-3))
         ax.set_xlabel("time [s]", labelpad=1)
 
 
@@ -214,7 +211,7 @@ def _steady_limits(ax: Axes, data: xr.Dataset, *signals: np.ndarray) -> None:
             (0.01, 0.03),
             xycoords="axes fraction",
             color=MUTED,
-            bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1},
+            bbox=LABEL_BOX,
         )
 
 
@@ -256,13 +253,16 @@ def _torque_squared(ax: Axes, data: xr.Dataset) -> None:
         ax.hlines(without, *ends, color=MUTED, linestyle=":", label=f"{shown}without springs")
         ax.hlines(optimal, *ends, color=OPTIMAL, linestyle="--", label=f"{shown}optimal springs")
         last = float(data["torque_squared"].sel(cycle=mine[-1]))
+        found = f"{1 - last / without:.1%} less than without springs"
+        if last > without:
+            found = f"{last / without:.3g} times that without springs"
         ax.annotate(
-            f"{1 - last / without:.1%} less than without springs "
-            f"(optimum {1 - optimal / without:.1%})",
+            f"{found} (optimum {1 - optimal / without:.1%} less)",
             (mine[-1], without),
             xytext=(-4, 4),
             textcoords="offset points",
             ha="right",
+            bbox=LABEL_BOX,
         )
     ax.plot(cycles, data["torque_squared"].values, "o-", ms=2.5, color=MEASURED, label="measured")
     ax.set_yscale("log")

@@ -35,6 +35,8 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "k_max": ("joints",),
     "low": ("joints",),
     "high": ("joints",),
+    # beyond which the run has failed
+    "torque_limit": ("joints",),
     # the springs that act now
     "stiffness": ("joints",),
     "offset": ("joints",),

@@ -104,9 +104,13 @@ def follow(experiment: Experiment, robot: Robot) -> list[JointMotion]:
     return found
 
 
-def center(value: str | tuple[float, ...], found: list[JointMotion], robot: Robot) -> np.ndarray:
+def center(
+    value: str | float | tuple[float, ...], found: list[JointMotion], robot: Robot
+) -> np.ndarray:
     """Angles (n,) [rad] that `law.q_c` or `law.q_s` mean; "mean" is that of the first motion."""
-    return found[0].q.mean(axis=0) if isinstance(value, str) else np.asarray(value, float)
+    if isinstance(value, str):
+        return found[0].q.mean(axis=0)
+    return np.broadcast_to(np.asarray(value, float), robot.n).copy()
 
 
 def best_springs(

@@ -81,15 +81,18 @@ def load_law(memory: Memory, index: int, one: Prepared) -> None:
     k = np.asarray(bounds.initial_stiffness)
     memory["stiffness"][index] = k
     memory["offset"][index] = k * (np.asarray(bounds.initial_equilibrium) - one.q_c)
+    # A joint that turns by a radian in a time step is beyond any sampled control.
+    dt = experiment.simulation.timestep
+    memory["torque_limit"][index] = robot.inertia / dt**2
     for name, value in (
         ("site", robot.site),
         ("transpose", law.jacobian == "transpose"),
         ("alpha", law.alpha),
         ("beta", law.beta),
         ("lead", law.lead),
-        ("timestep", experiment.simulation.timestep),
+        ("timestep", dt),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
-        ("speed_limit", 1.0 / experiment.simulation.timestep),
+        ("speed_limit", 1.0 / dt),
     ):
         memory.scalar(name)[index] = value
 

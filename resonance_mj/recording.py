@@ -61,6 +61,21 @@ class Recording:
         self._stiffness: list[np.ndarray] = []
         self._offset: list[np.ndarray] = []
         self._time = 0.0
+        self.hardest = ""
+        """The joint whose motor worked hardest in the last whole cycle."""
+
+    def growth(self) -> float:
+        """How many times the torque² of the motion without springs the last cycle took.
+
+        0 while it falls from cycle to cycle, and in the first cycle of a motion, which may begin
+        with a jump.
+        """
+        last = len(self._torque_squared) - 1
+        if last < 1 or self._segment[last] != self._segment[last - 1]:
+            return 0.0
+        before, now = self._torque_squared[-2:]
+        without = self._optima[self._segment[last]].torque_squared_without_springs
+        return now / without if now > before else 0.0
 
     def add(self, memory: Memory, robot: int, steps: int, whole: int) -> None:
         """Take a cycle from the controller's memory.
@@ -77,7 +92,9 @@ class Recording:
         if cycle in self._kept or steps < whole:
             self._keep(taken, memory["q_c"][robot].copy(), cycle, steps)
         if steps == whole:
-            self._torque_squared.append(float((taken["tau"] ** 2).sum(axis=1).mean()))
+            by_joint = (taken["tau"] ** 2).mean(axis=0)
+            self._torque_squared.append(float(by_joint.sum()))
+            self.hardest = self._robot.joints[int(by_joint.argmax())]
             miss = ((taken["x"] - taken["x_desired"]) ** 2).sum(axis=1)
             self._tracking_rms.append(float(np.sqrt(miss.mean())))
             self._stiffness.append(memory["stiffness"][robot].copy())
@@ -143,13 +160,10 @@ class Recording:
         starts = np.concatenate([[0.0], ends[:-1]])
         data["start"] = ("segment", starts, _about("s", "start of the motion"))
         data["end"] = ("segment", ends, _about("s", "end of the motion"))
+        periods = [motion.period for motion in experiment.motion]
+        data["period"] = ("segment", periods, _about("s", "cycle time T"))
         data.attrs["thinned"] = int(len(self._kept) < len(self._segment))
         return data
-
-    @property
-    def time_of_cycle(self) -> float:
-        """When the cycle that comes next begins [s]."""
-        return self._time
 
 
 def _kept(experiment: Experiment) -> set[int]:

@@ -37,6 +37,7 @@ class Robot:
         coordinate: axes of the world that the task controls (m,).
         home: joint angles at the start (n,) [rad].
         qpos: the whole model's qpos at the start (nq,).
+        inertia: of each joint with the others held, at home (n,) [kg m^2].
         layout: sizes of the controller's block.
     """
 
@@ -50,6 +51,7 @@ class Robot:
     coordinate: np.ndarray
     home: np.ndarray
     qpos: np.ndarray
+    inertia: np.ndarray
     layout: Layout
 
     @property
@@ -116,6 +118,7 @@ def build(experiment: Experiment) -> Robot:
         coordinate=coordinate,
         home=home,
         qpos=qpos,
+        inertia=_inertia(model, qpos)[model.jnt_dofadr[joint_id]],
         layout=layout,
     )
 
@@ -267,3 +270,13 @@ def _home(
             )
         qpos[qpos_address] = home
     return qpos[qpos_address].copy(), qpos
+
+
+def _inertia(model: mujoco.MjModel, qpos: np.ndarray) -> np.ndarray:
+    """Diagonal of the inertia matrix at `qpos` (nv,)."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return np.diag(full).copy()

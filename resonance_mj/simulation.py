@@ -19,6 +19,9 @@ from .stepper import Alone, Stepper, Together
 Progress = Callable[[int, int], None]
 """Called after each cycle with the number of cycles done and the number of all."""
 
+DIVERGED = 100.0
+"""Multiple of the torque² without springs that a growing run may reach before it is stopped."""
+
 
 def simulate(
     experiment: Experiment,
@@ -128,8 +131,9 @@ def _simulate(
                 recorded = failed - 1 if failed else steps
                 recordings[index].add(memory, index, recorded, steps)
                 steps_done[index] += recorded
-                if failed:
-                    endings[index] = (Status.DIVERGED, _why(memory, index, group[index], cycle))
+                why = _what_diverged(memory, index, group[index], recordings[index], cycle)
+                if why:
+                    endings[index] = (Status.DIVERGED, why)
                     going.remove(index)
             if progress:
                 progress(cycle + 1, len(schedule))
@@ -167,19 +171,35 @@ def _learn(memory: Memory, going: list[int], now: int, following: int) -> None:
         memory["learned"][same, :following] = learning.resample(learned, following)
 
 
-def _why(memory: Memory, index: int, one: Prepared, cycle: int) -> str:
-    """Which joint failed, when, why, and what to try."""
+def _what_diverged(
+    memory: Memory, index: int, one: Prepared, recording: Recording, cycle: int
+) -> str:
+    """Which joint failed, when, why, and what to try; empty if none did."""
     law, dt = one.experiment.law, one.experiment.simulation.timestep
-    joint = one.robot.joints[int(memory.scalar("failed_joint")[index])]
-    step = int(memory.scalar("failed_step")[index]) - 1
-    segment = one.schedule[cycle]
-    tries = [f"a shorter simulation.timestep (now {dt:g} s)"]
-    if law.beta > 0:
-        tries.insert(0, f"a smaller law.beta (now {law.beta:g})")
-    if law.lead == 0:
-        tries.insert(0, "law.lead = 1")
-    return (
-        f"motion {segment + 1} diverged in cycle {cycle + 1} of the run, {step * dt:.3f} s into "
-        f"it: {joint} would turn by more than one radian in a time step, or its torque is not "
-        f"finite; try {', '.join(tries[:-1])}{' or ' if tries[:-1] else ''}{tries[-1]}"
-    )
+    where = f"motion {one.schedule[cycle] + 1} diverged in cycle {cycle + 1} of the run"
+    failed = int(memory.scalar("failed_step")[index])
+    if failed:
+        joint = one.robot.joints[int(memory.scalar("failed_joint")[index])]
+        why = f"{joint} would turn by more than one radian in a time step"
+        where += f", {(failed - 1) * dt:.3f} s into it"
+    elif recording.growth() > DIVERGED:
+        why = (
+            f"torque² grows from cycle to cycle and is {recording.growth():.0f} times that of the "
+            f"motion without springs, most of it in {recording.hardest}"
+        )
+    else:
+        return ""
+    tries = f"a shorter simulation.timestep (now {dt:g} s)"
+    if cycle == 0:
+        tries = (
+            f"smaller law.k_v and law.k_p (now {_shown(law.k_v)} and {_shown(law.k_p)}) or {tries}"
+        )
+    else:
+        tries = f"a smaller law.beta (now {law.beta:g}) or {tries}"
+        if law.lead == 0:
+            tries = f"law.lead = 1, {tries}"
+    return f"{where}: {why}; try {tries}"
+
+
+def _shown(gain: float | tuple[float, ...]) -> str:
+    return f"{gain:g}" if isinstance(gain, float) else ", ".join(f"{value:g}" for value in gain)

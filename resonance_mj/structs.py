@@ -67,8 +67,8 @@ _PROBE = """<mujoco><size nuserdata="11"/><worldbody>
 <site/></worldbody>
 <actuator><motor joint="a"/><motor joint="b"/></actuator></mujoco>"""
 
-MODEL_FIELDS = ("jnt_stiffness", "qpos_spring", "nq", "nv", "nu", "njnt", "nsite", "nuserdata")
-DATA_FIELDS = ("userdata", "qpos", "qvel", "ctrl", "site_xpos")
+MODEL_FIELDS = ("jnt_stiffness", "qpos_spring", "nq", "nv", "nu", "njnt", "nuserdata")
+DATA_FIELDS = ("userdata", "qpos", "qvel", "ctrl", "site_xpos", "qfrc_bias", "qfrc_passive")
 
 _model = mujoco.MjModel.from_xml_string(_PROBE)
 MODEL_OFFSETS = _checked_offsets("mjModel", MODEL_FIELDS, _model)

@@ -1,0 +1,197 @@
+"""The command line as a user meets it: real processes, files, exit statuses, one line on stderr."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import resonance_mj as rmj
+
+SHORT = ["--motion.0.duration", "2", "--motion.1.duration=3"]
+
+
+def resonance_mj(*arguments, cwd):
+    command = [sys.executable, "-m", "resonance_mj.cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A short run in an empty folder, shared by the tests that look at what it left."""
+    folder = tmp_path_factory.mktemp("cli")
+    return folder, resonance_mj("run", "paper", *SHORT, cwd=folder)
+
+
+def test_run_writes_run_summary_experiment_and_figure_and_nothing_else(finished):
+    folder, process = finished
+    assert (process.returncode, process.stderr) == (0, "")
+    assert sorted(path.name for path in (folder / "runs" / "paper").iterdir()) == [
+        "experiment.toml",
+        "figure.png",
+        "figure.svg",
+        "run.nc",
+        "summary.json",
+    ]
+    assert [path.name for path in folder.iterdir()] == ["runs"]
+
+
+def test_run_prints_progress_and_a_table_beside_the_optimum(finished):
+    _, process = finished
+    for words in ("5/5 cycles", "torque reduction [%]", "optimum", "stiffness joint2 [N m/rad]"):
+        assert words in process.stdout
+
+
+def test_the_summary_has_the_documented_keys_and_agrees_with_the_run(finished):
+    folder, _ = finished
+    summary = json.loads((folder / "runs" / "paper" / "summary.json").read_text())
+    assert set(summary) == {
+        "name", "status", "message", "versions", "steps", "simulation_wall_s", "segments",
+    }  # fmt: skip
+    assert set(summary["segments"][0]) == {
+        "start_s", "end_s", "cycles", "torque_reduction", "torque_reduction_optimal",
+        "torque_squared", "torque_squared_without_springs", "torque_squared_optimal",
+        "tracking_rms", "stiffness", "stiffness_optimal", "offset", "offset_optimal",
+        "cycles_to_optimum",
+    }  # fmt: skip
+    assert [segment["cycles"] for segment in summary["segments"]] == [2, 3]
+    run = rmj.Run.load(folder / "runs" / "paper")
+    tau = run.data["tau"].sel(time=slice(3.9999, None)).values
+    last = summary["segments"][1]
+    assert np.isclose((tau**2).sum(axis=1).mean(), last["torque_squared"], rtol=1e-12)
+    assert np.isclose(
+        1 - last["torque_squared"] / last["torque_squared_without_springs"],
+        last["torque_reduction"],
+    )
+
+
+def test_the_resolved_experiment_runs_again_to_the_same_numbers(finished, tmp_path):
+    folder, _ = finished
+    resolved = folder / "runs" / "paper" / "experiment.toml"
+    assert "# mujoco " in resolved.read_text()
+    again = rmj.simulate(rmj.load(resolved))
+    first = rmj.Run.load(folder / "runs" / "paper")
+    assert first.data.drop_attrs().equals(again.data.drop_attrs())
+
+
+def test_plot_draws_a_saved_run_again(finished, tmp_path):
+    folder, _ = finished
+    process = resonance_mj("plot", folder / "runs" / "paper", "--out", tmp_path / "new", cwd=folder)
+    assert process.returncode == 0
+    svg = (tmp_path / "new" / "figure.svg").read_text()
+    for words in ("tool position x [m]", "stiffness k of joint1", "motor torque", "optimal"):
+        assert words in svg
+
+
+def test_an_option_on_the_command_line_is_the_same_as_a_key_in_python(finished):
+    folder, _ = finished
+    python = rmj.load("paper").replace({"motion.0.duration": 2.0, "motion.1.duration": 3.0})
+    assert rmj.Run.load(folder / "runs" / "paper").experiment == python
+
+
+def test_a_run_that_diverges_exits_1_says_why_and_keeps_what_was_recorded(tmp_path):
+    process = resonance_mj("run", "paper", *SHORT, "--law.k_v", "1e5", "--out", "x", cwd=tmp_path)
+    assert process.returncode == 1
+    (line,) = process.stderr.splitlines()
+    for words in ("diverged", "cycle 1", "joint", "try"):
+        assert words in line
+    run = rmj.Run.load(tmp_path / "x")
+    assert run.status is rmj.Status.DIVERGED
+    assert 0 < run.data.sizes["time"] < 1000
+    assert np.isfinite(run.data["q"].values).all()
+    assert not (tmp_path / "MUJOCO_LOG.TXT").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "papr"], ["'papr'", "'paper'"]),
+        (["run", "no/such.toml"], ["no/such.toml", "does not exist"]),
+        (["run", "paper", "--law.bta", "3"], ["law.bta", "'beta'"]),
+        (["run", "paper", "--law.beta"], ["--law.beta", "value must follow"]),
+        (["run", "paper", "--law.k_v", "1,2,3"], ["law.k_v", "3 numbers", "x, z"]),
+        (["run", "paper", "--robot.mjcf", "no.xml"], ["robot.mjcf = 'no.xml'", "two_link.xml"]),
+        (["run", "paper", "--robot.tool", "tip"], ["robot.tool = 'tip'", "sites are: tool"]),
+        (["run", "paper", "--robot.home", "up"], ["robot.home = 'up'", "keyframes are: home"]),
+        (["run", "paper", "--robot.home", "1"], ["robot.home"]),
+        (["run", "paper", "--motion.0.offset=-0.6,0"], ["motion.0", "reach 0.000 s", "50.0 mm"]),
+        (["run", "paper", "--motion.0.offset=-0.5,0", "--motion.0.sin", "[[0.05],[0]]"],
+         ["motion.0", "singular pose 0.750 s", "singular value"]),
+        (["run", "paper", "--out", "taken"], ["taken", "cannot be written"]),
+        (["plot", "nowhere"], ["nowhere", "no run"]),
+        (["list", "--law.beta", "3"], ["--law.beta", "no keys"]),
+        (["walk"], ["'walk'", "run"]),
+        (["run"], ["NAME|PATH", "--help"]),
+    ],
+)  # fmt: skip
+def test_bad_input_exits_2_with_one_line_and_leaves_nothing(arguments, words, tmp_path):
+    (tmp_path / "taken").touch()
+    process = resonance_mj(*arguments, cwd=tmp_path)
+    assert process.returncode == 2
+    (line,) = process.stderr.splitlines()
+    assert [word for word in words if word not in line] == []
+    assert [path.name for path in tmp_path.iterdir() if any(path.glob("**/*.nc"))] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("<mujoco", ["arm.xml", "MuJoCo rejects it", "XML"]),
+        ("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", ["arm.xml", "mass"]),
+        ("<mujoco><worldbody><site name='tool'/></worldbody></mujoco>", ["no joint moves"]),
+        (
+            "<mujoco><worldbody><body><freejoint name='float'/><geom size='1'/><site name='tool'/>"
+            "</body></worldbody></mujoco>",
+            ["'float'", "free joint", "hinge and slide"],
+        ),
+        (
+            "<mujoco><worldbody><body><joint name='a'/><geom size='1'/><site name='tool'/>"
+            "</body></worldbody><actuator><position joint='a'/></actuator></mujoco>",
+            ["joint 'a'", "not a torque motor"],
+        ),
+        (
+            "<mujoco><worldbody><body><joint name='a' stiffness='1 2'/><geom size='1'/>"
+            "<site name='tool'/></body></worldbody><actuator><motor joint='a'/></actuator></mujoco>",
+            ["joint 'a'", "polynomial"],
+        ),
+    ],
+)
+def test_a_robot_that_cannot_be_driven_is_refused_with_its_file_and_element(text, words, tmp_path):
+    (tmp_path / "arm.xml").write_text(text)
+    process = resonance_mj("run", "paper", "--robot.mjcf", "arm.xml", cwd=tmp_path)
+    assert process.returncode == 2
+    (line,) = process.stderr.splitlines()
+    assert [word for word in words if word not in line] == []
+
+
+def test_help_and_lists_answer_without_loading_a_simulator(tmp_path):
+    code = "import sys, resonance_mj.cli as c; sys.exit(c.main(sys.argv[1:]) or 'mujoco' in sys.modules)"
+    for arguments in (["list"], ["keys"]):
+        process = subprocess.run(
+            [sys.executable, "-c", code, *arguments], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert process.returncode == 0, process.stderr
+    assert "paper-centered" in resonance_mj("list", cwd=tmp_path).stdout
+    assert "law.gamma_qe" in resonance_mj("keys", cwd=tmp_path).stdout
+
+
+def test_a_wheel_works_outside_the_checkout(tmp_path):
+    """The robots and experiments travel inside the package, and outputs in runs/ do not."""
+    checkout = Path(__file__).parents[1]
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
+    site = tmp_path / "site"
+    subprocess.run([*pip, "--target", site, checkout], check=True, timeout=300)
+    assert not list((site / "resonance_mj" / "runs").glob("*/"))
+    here = tmp_path / "empty"
+    here.mkdir()
+    code = (
+        f"import sys; sys.path.insert(0, {str(site)!r}); import resonance_mj.cli as c; "
+        f"assert c.__file__.startswith({str(site)!r}); sys.exit(c.main(['optimum', 'paper']))"
+    )
+    process = subprocess.run(
+        [sys.executable, "-c", code], cwd=here, capture_output=True, text=True, timeout=300
+    )
+    assert process.returncode == 0, process.stderr
+    assert "29.950" in process.stdout
