@@ -68,9 +68,11 @@ def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     mem = block(data.userdata)
     if begins_step(mem):
         site = int(mem[Header.SITE])
-        jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
-        mujoco.mj_jacSite(model, data, jacobian, None, site)
-        act(mem, data.qpos, data.qvel, data.site_xpos[site], data.ctrl)
+        jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+        rotational = jacobian[3:] if mem[Header.ROTATES] == 1.0 else None
+        mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
+        orientation = data.site_xmat[site].reshape(3, 3)
+        act(mem, data.qpos, data.qvel, data.site_xpos[site], orientation, data.ctrl)
     hold(mem, data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
 
@@ -91,7 +93,7 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
     MuJoCo, or an edit in any file of the law, compiles anew.
     """
     jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
-    userdata, qpos, qvel, ctrl, site_xpos, qfrc_bias, qfrc_passive = data_offsets
+    userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
 
     @numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")
     def control(model: int, data: int) -> None:
@@ -102,10 +104,19 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
         motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):
             site = int(mem[Header.SITE])
-            jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
-            _mj_jacSite(model, data, jacobian.ctypes.data, 0, site)
-            tool = _doubles(_word(data, site_xpos), 3 * (site + 1))[3 * site :]
-            act(mem, _doubles(_word(data, qpos), _word(model, nq)), speed, tool, motors)
+            jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+            rotational = jacobian[3:].ctypes.data if mem[Header.ROTATES] == 1.0 else 0
+            _mj_jacSite(model, data, jacobian.ctypes.data, rotational, site)
+            position = _word(data, site_xpos) + 24 * site
+            orientation = _pointer(_word(data, site_xmat) + 72 * site)
+            act(
+                mem,
+                _doubles(_word(data, qpos), _word(model, nq)),
+                speed,
+                _doubles(position, 3),
+                carray(orientation, (3, 3), np.float64),
+                motors,
+            )
         hold(
             mem,
             speed,
@@ -125,7 +136,7 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
 # Resolved by name when the compiled code is loaded: an address could not be cached on disk.
 _mj_jacSite = types.ExternalFunction(  # noqa: N816
     "mj_jacSite",
-    types.void(types.intp, types.intp, types.uintp, types.intp, types.int32),
+    types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32),
 )
 
 

@@ -26,11 +26,14 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "joint_id": ("joints",),
     "actuator_id": ("joints",),
     "coordinate": ("coordinates",),
+    "orientation": ("three", "three"),
+    "posture": ("joints",),
     # the law's gains and the springs' bounds
     "k_v": ("coordinates",),
     "k_p": ("coordinates",),
     "gamma_k": ("joints",),
     "gamma_qe": ("joints",),
+    "feedback": ("joints", "joints"),
     "q_c": ("joints",),
     "q_s": ("joints",),
     "k_min": ("joints",),
@@ -39,6 +42,9 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "high": ("joints",),
     # beyond which the run has failed
     "torque_limit": ("joints",),
+    # the motors' limits
+    "tau_min": ("joints",),
+    "tau_max": ("joints",),
     # the springs that act now
     "stiffness": ("joints",),
     "offset": ("joints",),
@@ -48,14 +54,16 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "learned": ("steps", "joints"),
     "record": ("steps", "columns"),
     # scratch of one control step
-    "jacobian": ("three", "dofs"),
+    "jacobian": ("six", "dofs"),
     "J": ("coordinates", "joints"),
     "error": ("coordinates",),
     "rate": ("coordinates",),
     "s": ("coordinates",),
     "y": ("joints",),
     "tau": ("joints",),
-    "work": ("joints", "joints"),
+    "drift": ("joints",),
+    "desired": ("three", "three"),
+    "work": ("more", "more"),
 }
 """Arrays of the block and their shapes, in the order in which they lie."""
 
@@ -78,9 +86,15 @@ _SCALARS = (
     "steps",  # of the longest cycle: the rows of the tables
     "columns",  # of the record
     "three",
+    "six",
+    "more",  # than the joints and than the coordinates, by one
     "site",  # the tool's id
-    "transpose",  # 1 for J^T in (8), 0 for J^-1
+    "rotates",  # 1 if the task has rotation, its last three coordinates
+    "form",  # of (8): 0 for J^-1, 1 for J^T, 2 for the damped pseudo-inverse
+    "inertial",  # 1 for feedback by `feedback` too
+    "usual",  # manipulability below which the damping grows
     "alpha",
+    "alpha_0",
     "beta",
     "lead",
     "timestep",
@@ -110,6 +124,12 @@ class Layout:
     dofs: int
     steps: int
     three: int = 3
+    six: int = 6
+
+    @property
+    def more(self) -> int:
+        """One more than the joints and than the coordinates."""
+        return max(self.joints, self.coordinates) + 1
 
     @property
     def columns(self) -> int:
@@ -148,7 +168,16 @@ class Memory:
         self._block = userdata[:, begin:-1]
         self._starts = dict(layout.starts())
         userdata[:, -1] = begin
-        for name in ("joints", "coordinates", "dofs", "steps", "columns", "three"):
+        for name in (
+            "joints",
+            "coordinates",
+            "dofs",
+            "steps",
+            "columns",
+            "three",
+            "six",
+            "more",
+        ):
             self.scalar(name)[:] = getattr(layout, name)
         for name, start in self._starts.items():
             self.scalar(name)[:] = start

@@ -180,7 +180,9 @@ def _tool(
     best = max(sorted(at_end), key=lambda body: (bool(model.body(body).name), depth[body]))
     if not model.body(best).name:
         raise RobotError(f"{path}: the arm's last body has no name; name it, or a site on it")
-    notes.append(f"tool: body {model.body(best).name!r}, the deepest of the longest chain of joints")
+    notes.append(
+        f"tool: body {model.body(best).name!r}, the deepest of the longest chain of joints"
+    )
     return "body", model.body(best).name
 
 

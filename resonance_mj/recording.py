@@ -122,7 +122,7 @@ class Recording:
             "cycle": ("cycle", np.arange(1, cycles + 1), {"units": "1"}),
             "segment": ("segment", np.arange(1, len(optima) + 1), {"units": "1"}),
             "joint": ("joint", list(robot.joints), {"units": "1"}),
-            "axis": ("axis", list(experiment.task.coordinates), {"units": "1"}),
+            "axis": ("axis", list(robot.axes), {"units": "1"}),
             "cycle_of_sample": ("time", _joined(self._sample_cycles).astype(int), {"units": "1"}),
             "segment_of_cycle": ("cycle", self._segment[:cycles] + 1, {"units": "1"}),
         }

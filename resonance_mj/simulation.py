@@ -110,12 +110,14 @@ def _simulate(
     going = list(range(len(group)))
     schedule = group[0].schedule
     wall = 0.0
+    passed = False
     with installed(interpret=interpret):
         for cycle, segment in enumerate(schedule):
             steps = group[0].steps(segment)
-            if cycle == 0 or segment != schedule[cycle - 1]:
+            passing = group[0].blending(cycle) is not None
+            if cycle == 0 or segment != schedule[cycle - 1] or passing or passed:
                 for index in going:
-                    load_motion(memory, index, group[index], segment)
+                    load_motion(memory, index, group[index], cycle)
             began = time.perf_counter()
             memory.scalar("step")[:] = 0
             for index in going:
@@ -140,7 +142,8 @@ def _simulate(
             if not going:
                 break
             if cycle + 1 < len(schedule):
-                _learn(memory, going, steps, group[0].steps(schedule[cycle + 1]))
+                _learn(memory, going, group, cycle)
+            passed = passing
     return [
         Run(
             experiment=one.experiment,
@@ -154,21 +157,36 @@ def _simulate(
     ]
 
 
-def _learn(memory: Memory, going: list[int], now: int, following: int) -> None:
-    """Replace the learned torque of a cycle of `now` steps by that of the next, (9), (10)."""
-    q, y, u = (memory.recorded(name, now) for name in ("q", "y", "u"))
-    leads = memory.scalar("lead")
-    for lead in set(leads[going]):
-        same = [index for index in going if leads[index] == lead]
-        learned = learning.learn(
-            u[same],
-            y[same],
-            q[same],
-            beta=memory.scalar("beta")[same],
-            q_s=memory["q_s"][same],
-            lead=int(lead),
-        )
-        memory["learned"][same, :following] = learning.resample(learned, following)
+def _learn(memory: Memory, going: list[int], group: list[Prepared], cycle: int) -> None:
+    """Replace the learned torque of a cycle by that of the next; a passage teaches nothing."""
+    for index in going:
+        one = group[index]
+        now = one.steps(one.schedule[cycle])
+        following = one.steps(one.schedule[cycle + 1])
+        q, y, u = (memory.recorded(name, now)[index] for name in ("q", "y", "u"))
+        chosen, bounds = one.gains, one.experiment.springs
+        if one.blending(cycle) is not None:
+            learned = u
+        elif one.experiment.law.kind == "paper":
+            learned = learning.learn(
+                u, y, q, gain=chosen.learning, q_s=memory["q_s"][index], lead=chosen.lead
+            )
+        else:
+            springs = [memory[name][index] for name in ("stiffness", "offset", "q_c")]
+            taken = learning.transfer(
+                u,
+                y,
+                q,
+                *springs,
+                gain=chosen.learning,
+                lead=chosen.lead,
+                harmonics=chosen.harmonics,
+                bounds=(bounds.stiffness, bounds.equilibrium),
+            )
+            learned = taken.u
+            for view, value in zip(springs, taken[1:], strict=True):
+                view[:] = value
+        memory["learned"][index, :following] = learning.resample(learned, following)
 
 
 def _what_diverged(
@@ -195,8 +213,8 @@ def _what_diverged(
             f"smaller law.k_v and law.k_p (now {_shown(law.k_v)} and {_shown(law.k_p)}) or {tries}"
         )
     else:
-        tries = f"a smaller law.beta (now {law.beta:g}) or {tries}"
-        if law.lead == 0:
+        tries = f"a smaller law.beta or {tries}"
+        if one.gains.lead == 0:
             tries = f"law.lead = 1, {tries}"
     return f"{where}: {why}; try {tries}"
 
