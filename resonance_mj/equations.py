@@ -183,28 +183,28 @@ def error_damped(
         work[m, i] = rate[i] + alpha * s[i]
         for j in range(n):
             work[m, i] -= J[i, j] * drift[j]
-        for l in range(i + 1):
-            work[i, l] = 0.0
+        for k in range(i + 1):
+            work[i, k] = 0.0
             for j in range(n):
-                work[i, l] += J[i, j] * J[l, j]
+                work[i, k] += J[i, j] * J[k, j]
         trace += work[i, i]
     scale = trace / m
     manipulability = _factorise(work, m, 1e-10 * scale)
     if manipulability < usual:
         for i in range(m):
-            for l in range(i + 1):
-                work[i, l] = 0.0
+            for k in range(i + 1):
+                work[i, k] = 0.0
                 for j in range(n):
-                    work[i, l] += J[i, j] * J[l, j]
+                    work[i, k] += J[i, j] * J[k, j]
         lack = 1.0 - manipulability / usual
         _factorise(work, m, (1e-10 + 1e-2 * lack * lack) * scale)
     for i in range(m):
-        for l in range(i):
-            work[m, i] -= work[i, l] * work[m, l]
+        for k in range(i):
+            work[m, i] -= work[i, k] * work[m, k]
         work[m, i] /= work[i, i]
     for i in range(m - 1, -1, -1):
-        for l in range(i + 1, m):
-            work[m, i] -= work[l, i] * work[m, l]
+        for k in range(i + 1, m):
+            work[m, i] -= work[k, i] * work[m, k]
         work[m, i] /= work[i, i]
     for j in range(n):
         out[j] = drift[j]
@@ -218,11 +218,11 @@ def _factorise(A: np.ndarray, m: int, damping: float) -> float:
     root = 1.0
     for i in range(m):
         A[i, i] += damping
-        for l in range(i + 1):
-            for k in range(l):
-                A[i, l] -= A[i, k] * A[l, k]
-            if l < i:
-                A[i, l] /= A[l, l]
+        for k in range(i + 1):
+            for h in range(k):
+                A[i, k] -= A[i, h] * A[k, h]
+            if k < i:
+                A[i, k] /= A[k, k]
         A[i, i] = math.sqrt(max(A[i, i], damping))
         root *= A[i, i]
     return root

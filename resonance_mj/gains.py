@@ -52,10 +52,8 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     omega = law.omega if law.omega is not None else min(BANDWIDTH, 0.1 / dt)
     feedback = np.zeros((n, n)) if by_hand else omega * robot.inertia
-    if law.beta is not None:
-        learning = law.beta * np.eye(n)
-    else:
-        learning = law.eta * omega * robot.inertia
+    inertial = law.eta * omega * robot.inertia
+    learning = inertial if law.beta is None else law.beta * np.eye(n)
     steps = min(motion.steps(dt) for motion in experiment.motion)
     harmonics = law.harmonics
     if harmonics is None and not printed:

@@ -180,9 +180,9 @@ def _axes(
     found: list[str] = []
     for axis in "xzy":
         rows = jacobian[[AXES[name] for name in (*found, axis)]]
-        if len(rows) <= jacobian.shape[1]:
-            if np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
-                found.append(axis)
+        enough = len(rows) <= jacobian.shape[1]
+        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
+            found.append(axis)
     if not found:
         raise RobotError(f"{path}: the tool cannot be moved from the home pose")
     axes = tuple(sorted(found))
