@@ -131,6 +131,8 @@ class Recording:
             dims = ("time", "axis" if name.startswith("x") else "joint")
             width = robot.m if name.startswith("x") else robot.n
             data[name] = (dims, _joined(self._samples[name], width), _about(units, MEANING[name]))
+        if experiment.law.jacobian == "transpose":
+            data["y"].attrs["units"] = "m^2/s"
         data["tau_optimal"] = (
             ("time", "joint"),
             _joined(self._samples["tau_optimal"], robot.n),
