@@ -57,8 +57,7 @@ READINGS: dict[str, tuple[str, Changes]] = {
     "`paper-centered`: q_c = q_s = mean": ("paper-centered", {}),
     "`paper-transpose`: Jᵀ in (8)": ("paper-transpose", {}),
     "Jᵀ in (8), q_c = q_s = mean": ("paper-transpose", CENTERED),
-    "Jᵀ in (8); β, Γ_k, Γ_qe times 10": ("paper-transpose", FASTER | {"law.beta": 10.0}),
-    "Γ_k, Γ_qe times 10": ("paper", FASTER),
+    "Jᵀ in (8), β and Γ times 10": ("paper-transpose", FASTER | {"law.beta": 10.0}),
     "no gravity": ("paper", {"simulation.gravity": [0.0, 0.0, 0.0]}),
     "gravity 9.81 along -y": ("paper", {"simulation.gravity": [0.0, 0.0, -9.81]}),
     "gravity 9.8 along +x": ("paper", {"simulation.gravity": [9.8, 0.0, 0.0]}),
@@ -162,24 +161,29 @@ def optimum() -> Iterator[Sequence[str]]:
 def springs() -> Iterator[Sequence[str]]:
     """What the springs do within the last cycle of a motion, and what they would do held still.
 
-    The last two columns leave tracking out: they are the springs on the exact joint motion q_d.
+    Swings in N m/rad and N m, reductions in %. The last two columns leave tracking out: they are
+    the springs on the exact joint motion q_d.
     """
     yield (
         "run, cycle",
-        "swing of k [N m/rad]",
-        "swing of q̄_e [N m]",
-        "reduction [%]",
-        "on q_d [%]",
-        "on q_d, held at their mean [%]",
+        "swing of k",
+        "swing of q̄_e",
+        "reduction",
+        "on q_d",
+        "on q_d, held at mean",
     )
-    for name in ("paper", "paper-centered", "paper-transpose"):
-        experiment = rmj.load(name)
+    for label, (name, changes) in {
+        "`paper`": ("paper", {}),
+        "`paper-centered`": ("paper-centered", {}),
+        "centered, Γ times 10, lead 1": ("paper-centered", FASTER | {"law.lead": 1}),
+    }.items():
+        experiment = rmj.load(name).replace(changes)
         run, optima = rmj.simulate(experiment), rmj.optimum(experiment)
         for best, cycle, end in zip(optima, (40, 80), run.summary()["segments"], strict=True):
             now = run.data.isel(time=run.data["cycle_of_sample"].values == cycle)
             k, offset = now["stiffness"].values, now["offset"].values
             yield (
-                f"`{name}`, {cycle}",
+                f"{label}, {cycle}",
                 listed(np.ptp(k, axis=0), 2),
                 listed(np.ptp(offset, axis=0), 2),
                 f"{100 * end['torque_reduction']:.1f}",
