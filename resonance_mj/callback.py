@@ -49,11 +49,7 @@ def installed(*, interpret: bool = False) -> Iterator[None]:
             "processes of their own"
         )
     try:
-        if _pointer_in_libmujoco():
-            raise CallbackError(
-                "another control callback is installed in this process: remove it with "
-                "mujoco.set_mjcb_control(None) before a simulation"
-            )
+        refuse_another()
         mujoco.set_mjcb_control(function)
         try:
             yield
@@ -63,9 +59,23 @@ def installed(*, interpret: bool = False) -> Iterator[None]:
         _installing.release()
 
 
+def refuse_another() -> None:
+    """Raise a CallbackError if another control callback is in place.
+
+    Checked before a robot is loaded, because MuJoCo calls it while it compiles a model.
+    """
+    if _pointer_in_libmujoco():
+        raise CallbackError(
+            "another control callback is installed in this process: remove it with "
+            "mujoco.set_mjcb_control(None) before a simulation"
+        )
+
+
 def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """The control callback as plain Python: the same functions that `_compiled` compiles."""
     mem = block(data.userdata)
+    if mem.size == 0:
+        return
     if begins_step(mem):
         site = int(mem[Header.SITE])
         jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
@@ -100,6 +110,8 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
         sources  # noqa: B018
         user = _doubles(_word(data, userdata), _word(model, nuserdata))
         mem = block(user)
+        if mem.size == 0:
+            return
         speed = _doubles(_word(data, qvel), _word(model, nv))
         motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):

@@ -141,10 +141,10 @@ def _experiment(options: argparse.Namespace) -> Experiment:
 
 def _run(options: argparse.Namespace) -> int:
     experiment = _experiment(options)
-    from .files import writable
+    from .files import could_be_written
     from .run import Status
 
-    folder = writable(options.out or Path("runs") / experiment.name)
+    folder = could_be_written(options.out or Path("runs") / experiment.name)
     console = _console()
     # Imported while MuJoCo steps, which leaves Python's lock to others.
     threading.Thread(target=import_module, args=("resonance_mj.figures",), daemon=True).start()

@@ -62,8 +62,12 @@ def act(
     torque_limit = vector(memory, Header.TORQUE_LIMIT, n)
     for j in range(n):
         speed = abs(qvel[int(dof_address[j])])
+        spring = abs(springs.torque(k[j], offset[j], qpos[int(qpos_address[j])], q_c[j]))
+        hardest = torque_limit[j]
         # Written so that what is not a number fails too.
-        if not (speed <= memory[Header.SPEED_LIMIT] and abs(tau[j]) <= torque_limit[j]):
+        if not (
+            speed <= memory[Header.SPEED_LIMIT] and abs(tau[j]) <= hardest and spring <= hardest
+        ):
             memory[Header.FAILED_STEP] = step + 1
             memory[Header.FAILED_JOINT] = j
             return

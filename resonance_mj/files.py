@@ -23,11 +23,29 @@ def writable(folder: str | os.PathLike[str]) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise OutputError(
-            f"{folder}: cannot be written: {reason}; give a folder that can, with --out FOLDER"
-        ) from None
+        raise _unwritable(folder, error.strerror or str(error)) from None
     return folder
+
+
+def could_be_written(folder: str | os.PathLike[str]) -> Path:
+    """See that a folder can be written or made, without making it: before long work.
+
+    Raises:
+        OutputError: it cannot.
+    """
+    folder = Path(folder)
+    nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not nearest.is_dir():
+        raise _unwritable(folder, f"{nearest} is not a folder")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise _unwritable(folder, f"{nearest} may not be written")
+    return folder
+
+
+def _unwritable(folder: Path, reason: str) -> OutputError:
+    return OutputError(
+        f"{folder}: cannot be written: {reason}; give a folder that can, with --out FOLDER"
+    )
 
 
 @contextmanager

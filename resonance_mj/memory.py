@@ -3,8 +3,9 @@
 The block is a header, one number per entry of `Header`, followed by arrays, one per entry of
 `ARRAYS`. The header holds the sizes and, for each array, where it begins. Nothing about a robot or
 a law is compiled in: a saved `userdata` is the whole state of the controller, and each robot of a
-batch has its own. The last number of `userdata` says where the block begins, so that numbers which
-a model's author keeps in `userdata` stay where they are.
+batch has its own. The last two numbers of `userdata` say where the block begins and that there is
+one: numbers which a model's author keeps in `userdata` stay where they are, and models without a
+controller are left alone.
 """
 
 from __future__ import annotations
@@ -114,6 +115,9 @@ def _numbered(names: list[str]) -> Any:
 Header = _numbered([name.upper() for name in (*_SCALARS, *ARRAYS)])
 """Index of each number of the header; an array's is where it begins in the block."""
 
+SIGNATURE = 20.14101987
+"""The last number of a `userdata` that holds a controller's block."""
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -149,9 +153,9 @@ class Layout:
 
     @property
     def size(self) -> int:
-        """Length of the block, and of the number that says where it begins."""
+        """Length of the block, and of the two numbers that lead to it."""
         last, start = list(self.starts())[-1]
-        return start + int(np.prod(self.shape(last))) + 1
+        return start + int(np.prod(self.shape(last))) + 2
 
 
 class Memory:
@@ -165,9 +169,10 @@ class Memory:
     def __init__(self, userdata: np.ndarray, layout: Layout) -> None:
         self.layout = layout
         begin = userdata.shape[1] - layout.size
-        self._block = userdata[:, begin:-1]
+        self._block = userdata[:, begin:-2]
         self._starts = dict(layout.starts())
-        userdata[:, -1] = begin
+        userdata[:, -2] = begin
+        userdata[:, -1] = SIGNATURE
         for name in (
             "joints",
             "coordinates",
@@ -210,8 +215,14 @@ class Memory:
 
 @register_jitable
 def block(userdata: np.ndarray) -> np.ndarray:
-    """The controller's block of `userdata`."""
-    return userdata[int(userdata[userdata.size - 1]) : userdata.size - 1]
+    """The controller's block of `userdata`; empty if the model has none.
+
+    The callback is called for every model that the process steps, forwards or compiles.
+    """
+    end = userdata.size - 2
+    if end < 0 or userdata[end + 1] != SIGNATURE:
+        return userdata[:0]
+    return userdata[int(userdata[end]) : end]
 
 
 def vector(memory: np.ndarray, name: int, size: int) -> np.ndarray:

@@ -167,6 +167,8 @@ class Recording:
             dims = ("time", "axis" if name.startswith("x") else "joint")
             width = robot.m if name.startswith("x") else robot.n
             data[name] = (dims, _joined(self._samples[name], width), _about(units, MEANING[name]))
+        if experiment.law.jacobian == "transpose":
+            data["y"].attrs["units"] = "m^2/s"
         best_torque = [
             optima[self._segment[part[0] - 1]].torque[: len(part)]
             for part in self._sample_cycles

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import mujoco
 
 from . import controller, learning
-from .callback import installed
+from .callback import installed, refuse_another
 from .experiment import Experiment
 from .memory import Memory
 from .preparation import Prepared, load_law, load_motion, prepare
@@ -45,6 +45,7 @@ def simulate(
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
         CallbackError: another simulation is running in this process.
     """
+    refuse_another()
     return _simulate([prepare(experiment)], Alone, interpret, progress)[0]
 
 
@@ -72,6 +73,7 @@ def simulate_many(
         MotionError: a motion leaves an arm's reach or passes through a singular pose.
         CallbackError: another simulation is running in this process.
     """
+    refuse_another()
     prepared = [prepare(experiment) for experiment in experiments]
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, one in enumerate(prepared):

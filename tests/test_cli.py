@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj import cli
 
 SHORT = ["--motion.0.duration", "2", "--motion.1.duration=3"]
 
@@ -126,13 +127,23 @@ def test_a_run_that_diverges_exits_1_says_why_and_keeps_what_was_recorded(tmp_pa
         (["run"], ["NAME|PATH", "--help"]),
     ],
 )  # fmt: skip
-def test_bad_input_exits_2_with_one_line_and_leaves_nothing(arguments, words, tmp_path):
+def test_bad_input_exits_2_with_one_line_and_leaves_nothing(
+    arguments, words, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "taken").touch()
-    process = resonance_mj(*arguments, cwd=tmp_path)
-    assert process.returncode == 2
-    (line,) = process.stderr.splitlines()
+    assert cli.main(arguments) == 2
+    (line,) = capsys.readouterr().err.splitlines()
     assert [word for word in words if word not in line] == []
-    assert [path.name for path in tmp_path.iterdir() if any(path.glob("**/*.nc"))] == []
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+def test_a_process_with_bad_input_says_one_line_and_exits_2(tmp_path):
+    process = resonance_mj("run", "papr", cwd=tmp_path)
+    assert process.returncode == 2
+    assert process.stdout == ""
+    (line,) = process.stderr.splitlines()
+    assert line.startswith("resonance-mj: ")
 
 
 @pytest.mark.parametrize(
@@ -153,21 +164,27 @@ def test_bad_input_exits_2_with_one_line_and_leaves_nothing(arguments, words, tm
         ),
         (
             "<mujoco><worldbody><body><joint name='a' stiffness='1 2'/><geom size='1'/>"
-            "<site name='tool'/></body></worldbody><actuator><motor joint='a'/></actuator></mujoco>",
+            "<site name='tool'/></body></worldbody><actuator><motor joint='a'/></actuator>"
+            "</mujoco>",
             ["joint 'a'", "polynomial"],
         ),
     ],
 )
-def test_a_robot_that_cannot_be_driven_is_refused_with_its_file_and_element(text, words, tmp_path):
+def test_a_robot_that_cannot_be_driven_is_refused_with_its_file_and_element(
+    text, words, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.xml").write_text(text)
-    process = resonance_mj("run", "paper", "--robot.mjcf", "arm.xml", cwd=tmp_path)
-    assert process.returncode == 2
-    (line,) = process.stderr.splitlines()
+    assert cli.main(["run", "paper", "--robot.mjcf", "arm.xml"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
     assert [word for word in words if word not in line] == []
 
 
 def test_help_and_lists_answer_without_loading_a_simulator(tmp_path):
-    code = "import sys, resonance_mj.cli as c; sys.exit(c.main(sys.argv[1:]) or 'mujoco' in sys.modules)"
+    code = (
+        "import sys, resonance_mj.cli as c; "
+        "sys.exit(c.main(sys.argv[1:]) or 'mujoco' in sys.modules)"
+    )
     for arguments in (["list"], ["keys"]):
         process = subprocess.run(
             [sys.executable, "-c", code, *arguments], cwd=tmp_path, capture_output=True, text=True
