@@ -67,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
     run = _command(commands, "run", _run, "simulate an experiment and write its run")
-    run.add_argument("experiment", metavar="NAME|PATH", help="a built-in name, or a TOML file")
+    _what(run)
     run.add_argument("--out", metavar="FOLDER", type=Path, help="where to write; runs/NAME")
     run.add_argument(
         "--interpret", action="store_true", help="run the law as plain Python, for a debugger"
@@ -75,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     run.epilog = _KEYS
 
     optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
-    optimum.add_argument("experiment", metavar="NAME|PATH", help="a built-in name, or a TOML file")
+    _what(optimum)
     optimum.epilog = _KEYS
 
     plot = _command(commands, "plot", _plot, "draw the figure of a run again")
@@ -94,6 +94,16 @@ _KEYS = (
     "--law.k_v 200,300, --springs.stiffness=-inf,inf, --motion.0.period 0.5. "
     "`resonance-mj keys` lists them."
 )
+
+
+def _what(parser: argparse.ArgumentParser) -> None:
+    """What to simulate: an experiment, or a robot with everything else found."""
+    parser.add_argument(
+        "experiment", metavar="NAME|PATH", nargs="?", help="a built-in name, or a TOML file"
+    )
+    parser.add_argument(
+        "--robot", metavar="MJCF", help="an arm, in place of the experiment's or with none given"
+    )
 
 
 def _command(commands: Any, name: str, function: Callable[..., int], help_: str) -> _Parser:
@@ -134,9 +144,18 @@ def _value(text: str) -> Any:
 
 
 def _experiment(options: argparse.Namespace) -> Experiment:
-    from .experiment import load
+    from .experiment import for_robot, load
 
-    return load(options.experiment).replace(options.changes)
+    if options.experiment is None and options.robot is None:
+        raise ExperimentError(
+            "give the NAME or PATH of an experiment, or --robot MJCF; `resonance-mj list` has names"
+        )
+    if options.experiment is None:
+        return for_robot(options.robot).replace(options.changes)
+    changes = dict(options.changes)
+    if options.robot is not None:
+        changes["robot.mjcf"] = options.robot
+    return load(options.experiment).replace(changes)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -192,7 +211,12 @@ def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
         def show(done: int, _: int) -> None:
             bars.update(bar, completed=done, description=experiment.name)
 
-        return simulation.simulate(experiment, interpret=interpret, progress=show)
+        return simulation.simulate(
+            experiment,
+            interpret=interpret,
+            progress=show,
+            note=lambda line: console.print(f"  {line}", soft_wrap=True),
+        )
 
 
 def _optimum(options: argparse.Namespace) -> int:

@@ -96,42 +96,76 @@ class Simulation(_Model):
 
 
 class Motion(_Model):
-    """A periodic motion of the tool in the world frame."""
+    """A periodic motion of the tool."""
 
     duration: Positive = 20.0
     """How long the motion is repeated [s]: a whole number of periods."""
     period: Positive = 1.0
     """Cycle time T [s]: a whole number of time steps."""
-    shape: Literal["ellipse", "line", "eight", "fourier"] = "ellipse"
-    """ellipse, line, eight, or fourier: an offset plus harmonics."""
+    shape: Literal["ellipse", "line", "eight", "polygon", "fourier", "csv"] = "ellipse"
+    """ellipse, line, eight, polygon: with rounded corners, fourier: an offset plus harmonics, or
+    csv: a smooth closed curve through waypoints."""
+    frame: Literal["world", "base", "tool"] = "world"
+    """Whose axes and origin the motion's positions are given in: world, base: of the body that
+    carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
     blend: Annotated[int, Field(ge=0)] = 1
     """Cycles in which the arm passes over into this motion, without learning; 0 for a jump."""
     center: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
-    """Middle of an ellipse, line or eight [m], one per position coordinate; where the tool is at
-    home if not given."""
+    """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
+    is at home if not given."""
     size: tuple[Finite, Finite] | None = None
-    """Half of the shape's two sizes in its plane [m]; found if not given."""
+    """Half of the shape's two sizes in its plane [m], for a polygon the half axes of the ellipse
+    through its corners; the largest that the arm follows with margin if not given."""
     plane: tuple[Literal["x", "y", "z"], Literal["x", "y", "z"]] | None = None
-    """The two coordinates in which an ellipse, line or eight lies; found if not given."""
+    """The two coordinates in which an ellipse, line, eight or polygon lies; the first and the last
+    of the task's positions if not given."""
+    corners: Annotated[int, Field(ge=3)] | None = None
+    """Number of corners of a polygon, the first on the plane's first coordinate; 4 if not given."""
+    rounding: Annotated[float, Field(gt=0, le=1)] | None = None
+    """Share of a polygon's sides that its rounded corners take, up to 1; 0.5 if not given."""
     offset: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
     """Mean of a fourier motion [m], one per coordinate."""
     sin: tuple[tuple[Finite, ...], ...] = ()
     """Amplitudes of the sines [m]: a row per coordinate, a column per harmonic."""
     cos: tuple[tuple[Finite, ...], ...] = ()
     """Amplitudes of the cosines [m]: a row per coordinate, a column per harmonic."""
+    file: str | None = None
+    """Path of a csv motion's waypoints, absolute or from the experiment's folder: a column per
+    coordinate [m, rad], in order or named in a header; t [s] or phase [cycles] if not equally
+    spaced."""
+    rotation_sin: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the sines of the tool's rotation vector from its orientation at home [rad]: a
+    row each for rx, ry and rz, a column per harmonic; with any shape."""
+    rotation_cos: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the cosines of the rotation vector [rad], as rotation_sin."""
 
     @model_validator(mode="after")
     def _fits_its_shape(self) -> Motion:
-        given = {name for name in ("offset", "sin", "cos") if getattr(self, name)}
-        others = {name for name in ("center", "size", "plane") if getattr(self, name)}
-        if self.shape == "fourier" and (self.offset is None or others):
-            wrong = f"not {', '.join(sorted(others))}" if others else "none is given"
-            raise ValueError(f"a fourier motion takes offset, sin and cos; {wrong}")
-        if self.shape != "fourier" and given:
+        own = _KEYS_OF_SHAPE[self.shape]
+        every = dict.fromkeys(key for keys in _KEYS_OF_SHAPE.values() for key in keys)
+        wrong = [key for key in every if key not in own and getattr(self, key) not in (None, ())]
+        if wrong:
+            shapes = [shape for shape, keys in _KEYS_OF_SHAPE.items() if wrong[0] in keys]
             raise ValueError(
-                f"a motion of shape {self.shape!r} takes center, size and plane, not "
-                f"{', '.join(sorted(given))}; those belong to shape 'fourier'"
+                f"a motion of shape {self.shape!r} takes {_listed(own)}, not {_listed(wrong)}; "
+                f"{wrong[0]} belongs to shape {' or '.join(map(repr, shapes))}"
             )
+        if self.shape == "fourier" and self.offset is None:
+            raise ValueError(
+                "a motion of shape 'fourier' needs offset: its mean [m], a number per coordinate"
+            )
+        if self.shape == "csv" and not self.file:
+            raise ValueError(
+                "a motion of shape 'csv' needs file: the path of a CSV of waypoints, a row each"
+            )
+        for name, rows in (
+            ("rotation_sin", self.rotation_sin),
+            ("rotation_cos", self.rotation_cos),
+        ):
+            if rows and len(rows) != 3:
+                raise ValueError(
+                    f"{name} has {len(rows)} rows; 3 are needed, one each for rx, ry and rz"
+                )
         for name, rows in (("sin", self.sin), ("cos", self.cos)):
             if rows and len(rows) != len(self.offset or ()):
                 raise ValueError(
@@ -159,6 +193,18 @@ class Motion(_Model):
     def steps(self, timestep: float) -> int:
         """Number of time steps of `timestep` [s] in a cycle."""
         return round(self.period / timestep)
+
+
+_IN_PLANE = ("center", "size", "plane")
+_KEYS_OF_SHAPE: dict[str, tuple[str, ...]] = {
+    "ellipse": _IN_PLANE,
+    "line": _IN_PLANE,
+    "eight": _IN_PLANE,
+    "polygon": (*_IN_PLANE, "corners", "rounding"),
+    "fourier": ("offset", "sin", "cos"),
+    "csv": ("file",),
+}
+"""What each shape is described by, besides the keys that every motion has."""
 
 
 class Law(_Model):
@@ -315,8 +361,26 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         beside = path.parent / robot["mjcf"]
         if beside.is_file():
             robot["mjcf"] = str(beside.resolve())
+    motions = values.get("motion")
+    for motion in motions if isinstance(motions, list) else ():
+        if isinstance(motion, dict) and isinstance(motion.get("file"), str):
+            beside = path.parent / motion["file"]
+            if beside.is_file():
+                motion["file"] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return _validate(values, str(path))
+
+
+def for_robot(mjcf: str) -> Experiment:
+    """An experiment for an arm, with everything else found.
+
+    Args:
+        mjcf: path, or name in mjcf/; the experiment takes its name from it.
+    """
+    path = Path(mjcf)
+    stem = path.parent.name if path.stem in ("robot", "scene", "model") else path.stem
+    name = "".join(letter if letter.isalnum() or letter in "._-" else "-" for letter in stem)
+    return _validate({"name": name.strip("._-") or "arm", "robot": {"mjcf": mjcf}}, mjcf)
 
 
 def describe() -> list[tuple[str, str, str]]:

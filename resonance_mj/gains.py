@@ -25,6 +25,7 @@ class Gains:
         k_v: velocity feedback (m,) [N s/m].
         k_p: position feedback (m,) [N/m].
         feedback: G of the feedback -G y (n, n) [N m s/rad].
+        omega: its bandwidth ω [1/s].
         learning: what is learned from y (n, n) [N m s/rad].
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
@@ -34,6 +35,7 @@ class Gains:
     k_v: np.ndarray
     k_p: np.ndarray
     feedback: np.ndarray
+    omega: float
     learning: np.ndarray
     lead: int
     harmonics: int | None
@@ -64,6 +66,7 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
         k_v=np.broadcast_to(np.asarray(law.k_v or 0.0, float), m),
         k_p=np.broadcast_to(np.asarray(law.k_p or 0.0, float), m),
         feedback=feedback,
+        omega=omega,
         learning=learning,
         lead=law.lead if law.lead is not None else (0 if printed else 1),
         harmonics=harmonics,

@@ -57,6 +57,15 @@ class Kinematics:
         self._place(q)
         return self._J()
 
+    def inertia(self, q: np.ndarray) -> np.ndarray:
+        """Inertia matrix of the joints (n, n) [kg m^2] at joint angles q (n,) [rad]."""
+        data, dofs = self._data, self.robot.dof_address
+        self._place(q)
+        mujoco.mj_crb(self._model, data)
+        full = np.zeros((self._model.nv, self._model.nv))
+        mujoco.mj_fullM(self._model, data, full)
+        return full[np.ix_(dofs, dofs)]
+
     def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
         """Joint angles near `q` whose tool position is nearest to `x`, by damped Newton steps.
 

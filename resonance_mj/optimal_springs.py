@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import default_motion, springs
 from . import motion as motions
-from . import springs
 from .experiment import Experiment, Springs
 from .kinematics import JointMotion, Kinematics
 from .robot import Robot, build
@@ -79,9 +79,14 @@ def optimum(experiment: Experiment) -> list[Optimum]:
 
 def resolved(experiment: Experiment, robot: Robot) -> Experiment:
     """The experiment with what it left open in its motions filled in."""
-    at_home = Kinematics(robot).position(robot.home)
-    motion = tuple(motions.resolve(motion, robot, at_home) for motion in experiment.motion)
-    return experiment.model_copy(update={"motion": motion})
+    kinematics = Kinematics(robot)
+    at_home = kinematics.position(robot.home)
+    motion = []
+    for index, given in enumerate(experiment.motion):
+        name = f"experiment {experiment.name!r}: motion.{index}"
+        fitting = motions.resolve(given, robot, at_home, name)
+        motion.append(default_motion.sized(fitting, kinematics, name, experiment.law.alpha_0))
+    return experiment.model_copy(update={"motion": tuple(motion)})
 
 
 def along(experiment: Experiment, robot: Robot, found: list[JointMotion]) -> list[Optimum]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import motion as motions
+from . import warnings
 from .experiment import Experiment
 from .gains import Gains, gains
 from .kinematics import Kinematics
@@ -22,6 +23,7 @@ class Prepared:
     experiment: Experiment
     robot: Robot
     gains: Gains
+    notes: tuple[str, ...]
     optima: list[Optimum]
     q_c: np.ndarray
     q_s: np.ndarray
@@ -69,11 +71,14 @@ def prepare(experiment: Experiment) -> Prepared:
     robot = build(experiment)
     experiment = resolved(experiment, robot)
     found = follow(experiment, robot)
+    optima = along(experiment, robot, found)
+    chosen = gains(experiment, robot)
     return Prepared(
         experiment=experiment,
         robot=robot,
-        gains=gains(experiment, robot),
-        optima=along(experiment, robot, found),
+        gains=chosen,
+        notes=(*robot.notes, *warnings.before(experiment, robot, chosen, found, optima)),
+        optima=optima,
         q_c=center(experiment.law.q_c, found, robot),
         q_s=center(experiment.law.q_s, found, robot),
     )

@@ -69,6 +69,7 @@ class Recording:
         self._singular: list[float] = []
         self._made: dict[int, Optimum] = {}
         self._kinematics = Kinematics(robot)
+        self._at_limit = np.zeros(robot.n)
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
 
@@ -110,6 +111,8 @@ class Recording:
             some = taken["q"][:: max(1, steps // POSES)]
             J = np.array([self._kinematics.jacobian(q) for q in some])
             self._singular.append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
+            low, high = self._robot.torque_limit.T
+            self._at_limit = ((taken["tau"] <= low) | (taken["tau"] >= high)).mean(axis=0)
             self._made[int(self._segment[cycle])] = self._best_for(taken, memory, robot)
             self._stiffness.append(memory["stiffness"][robot].copy())
             self._offset.append(memory["offset"][robot].copy())
@@ -137,6 +140,14 @@ class Recording:
         if self._robot.m == self._robot.n:
             return self._optima
         return [self._made.get(i, best) for i, best in enumerate(self._optima)]
+
+    def notes(self) -> list[str]:
+        """What the run showed that its user should know, a line each."""
+        return [
+            f"{joint}'s motor was at its limit for {share:.0%} of the last cycle"
+            for joint, share in zip(self._robot.joints, self._at_limit, strict=True)
+            if share > 0
+        ]
 
     def _keep(self, taken: dict[str, np.ndarray], center: np.ndarray, cycle: int, n: int) -> None:
         taken["center"] = np.broadcast_to(center, taken["q"].shape)

@@ -28,6 +28,7 @@ def simulate(
     *,
     interpret: bool = False,
     progress: Progress | None = None,
+    note: Callable[[str], None] | None = None,
 ) -> Run:
     """Simulate one experiment.
 
@@ -36,6 +37,8 @@ def simulate(
         interpret: run the law as plain Python in the callback, for a debugger; the same numbers,
             about fifty times slower.
         progress: called after each cycle with the cycles done and the cycles in all.
+        note: called before the first step with each thing that was found, changed or is doubtful;
+            they stand in `Run.notes` too.
 
     Returns:
         The run. One that diverges stops there, with status DIVERGED and what was recorded.
@@ -46,7 +49,11 @@ def simulate(
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
-    return _simulate([prepare(experiment)], Alone, interpret, progress)[0]
+    prepared = prepare(experiment)
+    if note is not None:
+        for line in prepared.notes:
+            note(line)
+    return _simulate([prepared], Alone, interpret, progress)[0]
 
 
 def simulate_many(
@@ -151,6 +158,7 @@ def _simulate(
             experiment=one.experiment,
             status=endings[index][0],
             message=endings[index][1],
+            notes=(*one.notes, *recordings[index].notes()),
             data=recordings[index].dataset(),
             steps=steps_done[index],
             simulation_wall_s=wall,
@@ -195,7 +203,7 @@ def _what_diverged(
     memory: Memory, index: int, one: Prepared, recording: Recording, cycle: int
 ) -> str:
     """Which joint failed, when, why, and what to try; empty if none did."""
-    law, dt = one.experiment.law, one.experiment.simulation.timestep
+    dt = one.experiment.simulation.timestep
     where = f"motion {one.schedule[cycle] + 1} diverged in cycle {cycle + 1} of the run"
     failed = int(memory.scalar("failed_step")[index])
     if failed:
@@ -211,15 +219,11 @@ def _what_diverged(
         return ""
     tries = f"a shorter simulation.timestep (now {dt:g} s)"
     if cycle == 0:
-        tries = (
-            f"smaller law.k_v and law.k_p (now {_shown(law.k_v)} and {_shown(law.k_p)}) or {tries}"
-        )
+        tries = f"smaller law.k_v and law.k_p or {tries}"
+        if one.gains.feedback.any():
+            tries = f"a smaller law.omega (now {one.gains.omega:g} 1/s) or {tries}"
     else:
         tries = f"a smaller law.beta or {tries}"
         if one.gains.lead == 0:
             tries = f"law.lead = 1, {tries}"
     return f"{where}: {why}; try {tries}"
-
-
-def _shown(gain: float | tuple[float, ...]) -> str:
-    return f"{gain:g}" if isinstance(gain, float) else ", ".join(f"{value:g}" for value in gain)
