@@ -30,6 +30,16 @@ from .memory import Header, block, matrix
 
 _installing = threading.Lock()
 
+_BUSY = (
+    "a simulation is already running in this process, and MuJoCo has one control callback per "
+    "process: run them one after the other, together with simulate_many, or in processes of their "
+    "own"
+)
+_FOREIGN = (
+    "another control callback is installed in this process: remove it with "
+    "mujoco.set_mjcb_control(None) before a simulation"
+)
+
 
 @contextmanager
 def installed(*, interpret: bool = False) -> Iterator[None]:
@@ -43,13 +53,10 @@ def installed(*, interpret: bool = False) -> Iterator[None]:
     """
     function = _interpreted if interpret else _compiled()
     if not _installing.acquire(blocking=False):
-        raise CallbackError(
-            "a simulation is already running in this process, and MuJoCo has one control callback "
-            "per process: run them one after the other, together with simulate_many, or in "
-            "processes of their own"
-        )
+        raise CallbackError(_BUSY)
     try:
-        refuse_another()
+        if _pointer_in_libmujoco():
+            raise CallbackError(_FOREIGN)
         mujoco.set_mjcb_control(function)
         try:
             yield
@@ -60,15 +67,14 @@ def installed(*, interpret: bool = False) -> Iterator[None]:
 
 
 def refuse_another() -> None:
-    """Raise a CallbackError if another control callback is in place.
+    """Raise a CallbackError if a control callback is in place, this package's or another.
 
     Checked before a robot is loaded, because MuJoCo calls it while it compiles a model.
     """
+    if _installing.locked():
+        raise CallbackError(_BUSY)
     if _pointer_in_libmujoco():
-        raise CallbackError(
-            "another control callback is installed in this process: remove it with "
-            "mujoco.set_mjcb_control(None) before a simulation"
-        )
+        raise CallbackError(_FOREIGN)
 
 
 def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:

@@ -56,6 +56,6 @@ class Together:
 
     def step(self, robots: list[int], steps: int) -> None:
         """Advance some of the robots by a number of time steps."""
-        # Springs live in the models, and a batch takes over what was written in them only here.
+        # The springs that were written into the models: what set_models copies, it copies here.
         self._batch.set_models(self.models)
         self._batch.step(ids=np.array(robots), nstep=steps)
