@@ -8,7 +8,7 @@ import numpy as np
 from . import experiment
 from . import motion as motions
 from .errors import MotionError
-from .kinematics import Kinematics
+from .kinematics import TOLERANCE, Kinematics
 from .robot import Robot
 
 SHARE = 0.15
@@ -56,7 +56,7 @@ def sized(
     size = SHARE * reach(robot)
     # So coarse a cycle would overshoot with a posture that returns within a step.
     alpha_0 = min(alpha_0, 0.5 * POINTS / motion.period)
-    middle = _middle(motion, kinematics)
+    middle = _middle(motion, kinematics, name)
     reason = ""
     for _ in range(TRIES):
         candidate = motion.model_copy(update={"size": (size, size / 2)})
@@ -85,11 +85,18 @@ def reach(robot: Robot) -> float:
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum() + way)
 
 
-def _middle(motion: experiment.Motion, kinematics: Kinematics) -> np.ndarray:
+def _middle(motion: experiment.Motion, kinematics: Kinematics, name: str) -> np.ndarray:
     """Joint angles (n,) with the tool at the motion's center; those at home if it is not given."""
     point = motion.model_copy(update={"size": (0.0, 0.0), "rotation_sin": (), "rotation_cos": ()})
     x = motions.sample(point, 1, kinematics.robot).x[0]
-    return kinematics.solve(x, kinematics.robot.home)
+    q = kinematics.solve(x, kinematics.robot.home)
+    away = float(np.linalg.norm(kinematics.position(q) - x))
+    if away > 1e3 * TOLERANCE:
+        raise MotionError(
+            f"{name}: center = {list(motion.center or ())}: out of the arm's reach: the tool comes "
+            f"no nearer than {away * 1e3:.1f} mm; at home it is where center is if not given"
+        )
+    return q
 
 
 def _obstacle(

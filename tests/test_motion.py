@@ -542,6 +542,8 @@ def test_the_default_shrinks_near_a_joint_limit_and_near_the_edge_of_reach(folde
     edge = default_motion.sized(filled(planar, center=(-0.5, 0.0)), kinematics, "motion")
     assert edge.size[0] < free.size[0]
     with pytest.raises(rmj.ResonanceError, match=r"motion: no size is given.*Give center"):
+        default_motion.sized(filled(planar, center=(-0.5499, 0.0)), kinematics, "motion")
+    with pytest.raises(rmj.ResonanceError, match=r"center = \[-0\.6, 0\.0\]: out of.*50\.0 mm"):
         default_motion.sized(filled(planar, center=(-0.6, 0.0)), kinematics, "motion")
 
 
