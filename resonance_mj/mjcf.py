@@ -105,7 +105,7 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     except ValueError as error:
         raise RobotError(_rejected(path, error)) from None
     for number, joint in enumerate(spec.joints):
-        joint.name = joint.name or f"joint{number + 1}"
+        joint.name = joint.name or f"unnamed_joint{number + 1}"
     model = compile_spec(spec, path)
     notes: list[str] = []
     kind, name = _tool(model, tool, path, notes)

@@ -223,7 +223,9 @@ def _what_diverged(
         if one.gains.feedback.any():
             tries = f"a smaller law.omega (now {one.gains.omega:g} 1/s) or {tries}"
     else:
-        tries = f"a smaller law.beta or {tries}"
+        law = one.experiment.law
+        key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
+        tries = f"a smaller law.{key} (now {now:g}) or {tries}"
         if one.gains.lead == 0:
             tries = f"law.lead = 1, {tries}"
     return f"{where}: {why}; try {tries}"
