@@ -11,7 +11,7 @@ import hashlib
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,11 @@ import numba
 import numpy as np
 from numba import carray, types
 from numba.core import cgutils
+from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from . import controller, equations, memory, springs, structs
-from .controller import act, begins_step, end_stage, hold
+from .controller import Command, act, begins_step, end_stage, hold, standard
 from .errors import CallbackError
 from .memory import Header, block, matrix
 
@@ -42,16 +43,17 @@ _FOREIGN = (
 
 
 @contextmanager
-def installed(*, interpret: bool = False) -> Iterator[None]:
+def installed(*, interpret: bool = False, command: Command = standard) -> Iterator[None]:
     """Install the control callback while the `with` block runs, and remove it after.
 
     Args:
         interpret: run the law as plain Python, for a debugger, instead of compiled.
+        command: the part of the control step that sets y and τ; a custom law's, or the standard.
 
     Raises:
         CallbackError: a control callback is installed already, by this package or another.
     """
-    function = _interpreted if interpret else _compiled()
+    function = partial(_interpreted, command) if interpret else _compiled(command)
     if not _installing.acquire(blocking=False):
         raise CallbackError(_BUSY)
     try:
@@ -77,7 +79,7 @@ def refuse_another() -> None:
         raise CallbackError(_FOREIGN)
 
 
-def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """The control callback as plain Python: the same functions that `_compiled` compiles."""
     mem = block(data.userdata)
     if mem.size == 0:
@@ -88,20 +90,29 @@ def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         rotational = jacobian[3:] if mem[Header.ROTATES] == 1.0 else None
         mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
         orientation = data.site_xmat[site].reshape(3, 3)
-        act(mem, data.qpos, data.qvel, data.site_xpos[site], orientation, data.ctrl)
+        act(mem, data.qpos, data.qvel, data.site_xpos[site], orientation, data.ctrl, command)
     hold(mem, data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
 
 
 @cache
-def _compiled() -> Callable[..., Any]:
+def _compiled(command: Command = standard) -> Callable[..., Any]:
     """The control callback as a C function, compiled once and cached on disk."""
     llvmlite.binding.load_library_permanently(str(_libmujoco()))
-    function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint())
+    try:
+        function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint(), command)
+    except NumbaError as error:
+        reason = str(error).strip().splitlines()
+        raise CallbackError(
+            "the law cannot be compiled, try --interpret to debug it: "
+            + " ".join(line.strip() for line in reason[:3])
+        ) from error
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(function.address)
 
 
-def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sources: int) -> Any:
+def _compile(
+    model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sources: int, command: Command
+) -> Any:
     """Compile the callback for one layout of mjModel and mjData.
 
     Numba keys its disk cache with the values that a function closes over. That the offsets and the
@@ -134,6 +145,7 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
                 _doubles(position, 3),
                 carray(orientation, (3, 3), np.float64),
                 motors,
+                command,
             )
         hold(
             mem,

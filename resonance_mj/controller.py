@@ -5,11 +5,16 @@ current and the joint springs' torque of this step has been computed already: sp
 act from the next step on, which is explicit Euler for (6) and (7).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba.extending import register_jitable
 
 from . import equations, springs
 from .memory import Header, matrix, vector
+
+Command = Callable[..., None]
+"""Sets y and τ from (memory, n, m, qpos, qvel, u, y, tau)."""
 
 
 @register_jitable
@@ -29,6 +34,7 @@ def act(
     tool: np.ndarray,
     orientation: np.ndarray,
     ctrl: np.ndarray,
+    command: Command,
 ) -> None:
     """Measure the errors, set the motor torque (4), record the step, adapt the springs (6), (7).
 
@@ -39,6 +45,7 @@ def act(
         tool: position of the tool (3,) [m].
         orientation: of the tool (3, 3).
         ctrl: mjData.ctrl, written.
+        command: sets y and τ: `standard`, or a custom law's.
     """
     n = int(memory[Header.JOINTS])
     m = int(memory[Header.COORDINATES])
@@ -58,6 +65,7 @@ def act(
 
     measure(memory, n, m, step, qvel, tool, orientation, x_desired, row[2 * n :])
     command(memory, n, m, qpos, qvel, u, y, tau)
+    limit(memory, n, tau)
 
     torque_limit = vector(memory, Header.TORQUE_LIMIT, n)
     for j in range(n):
@@ -124,7 +132,7 @@ def measure(
 
 
 @register_jitable
-def command(
+def standard(
     memory: np.ndarray,
     n: int,
     m: int,
@@ -134,7 +142,7 @@ def command(
     y: np.ndarray,
     tau: np.ndarray,
 ) -> None:
-    """Error signal y (8) and motor torque τ (4), within the motors' limits."""
+    """Error signal y (8) and motor torque τ (4)."""
     alpha = memory[Header.ALPHA]
     form = memory[Header.FORM]
     J = matrix(memory, Header.J, m, n)
@@ -162,6 +170,11 @@ def command(
     )
     if memory[Header.INERTIAL] == 1.0:
         equations.inertial_feedback(matrix(memory, Header.FEEDBACK, n, n), y, tau)
+
+
+@register_jitable
+def limit(memory: np.ndarray, n: int, tau: np.ndarray) -> None:
+    """Keep the torque within the motors' limits."""
     tau_min = vector(memory, Header.TAU_MIN, n)
     tau_max = vector(memory, Header.TAU_MAX, n)
     for j in range(n):

@@ -211,8 +211,11 @@ _KEYS_OF_SHAPE: dict[str, tuple[str, ...]] = {
 class Law(_Model):
     """The controller and its gains, by the paper's symbols."""
 
-    kind: Literal["transfer", "paper"] = "transfer"
-    """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10)."""
+    kind: str = "transfer"
+    """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); or the
+    path of a Python file with a law of your own."""
+    parameters: Vector = ()
+    """Numbers for a law of your own."""
     jacobian: Literal["damped", "inverse", "transpose"] | None = None
     """In (8): J^-1, J^T, or the damped pseudo-inverse with the posture in its null space."""
     k_v: Gains | None = None
@@ -244,6 +247,13 @@ class Law(_Model):
     harmonics: Annotated[int, Field(ge=1)] | None = None
     """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
     given."""
+
+    @field_validator("kind")
+    @classmethod
+    def _known_or_a_file(cls, value: str) -> str:
+        if value in ("transfer", "paper") or value.endswith(".py"):
+            return value
+        raise ValueError("valid are 'transfer', 'paper', or the path of a Python file, NAME.py")
 
 
 class Springs(_Model):
@@ -357,17 +367,15 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         raise ExperimentError(f"{path}: cannot be read: {error}") from None
     except tomllib.TOMLDecodeError as error:
         raise ExperimentError(f"{path}: not valid TOML: {error}") from None
-    robot = values.get("robot")
-    if isinstance(robot, dict) and isinstance(robot.get("mjcf"), str):
-        beside = path.parent / robot["mjcf"]
-        if beside.is_file():
-            robot["mjcf"] = str(beside.resolve())
+    tables = [(values.get("robot"), "mjcf"), (values.get("law"), "kind")]
     motions = values.get("motion")
-    for motion in motions if isinstance(motions, list) else ():
-        if isinstance(motion, dict) and isinstance(motion.get("file"), str):
-            beside = path.parent / motion["file"]
+    tables += [(motion, "file") for motion in (motions if isinstance(motions, list) else ())]
+    for table, key in tables:
+        # A file that is named in an experiment is looked for beside it first.
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            beside = path.parent / table[key]
             if beside.is_file():
-                motion["file"] = str(beside.resolve())
+                table[key] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return _validate(values, str(path))
 

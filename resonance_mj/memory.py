@@ -41,6 +41,7 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "k_max": ("joints",),
     "low": ("joints",),
     "high": ("joints",),
+    "parameters": ("parameters",),
     # beyond which the run has failed
     "torque_limit": ("joints",),
     # the motors' limits
@@ -63,6 +64,8 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "y": ("joints",),
     "tau": ("joints",),
     "drift": ("joints",),
+    "q": ("joints",),
+    "dq": ("joints",),
     "desired": ("three", "three"),
     "work": ("more", "more"),
 }
@@ -102,6 +105,7 @@ _SCALARS = (
     "stages",  # callbacks per time step: 1, or 4 under RK4
     "stage",  # callbacks since the time step began
     "step",  # control steps since the cycle began
+    "count",  # of a custom law's parameters
     "speed_limit",  # [rad/s]
     "failed_step",  # control step in which the run diverged, counted from 1; 0 if it has not
     "failed_joint",  # its joint
@@ -127,6 +131,7 @@ class Layout:
     coordinates: int
     dofs: int
     steps: int
+    parameters: int = 0
     three: int = 3
     six: int = 6
 

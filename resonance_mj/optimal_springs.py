@@ -93,12 +93,12 @@ def along(experiment: Experiment, robot: Robot, found: list[JointMotion]) -> lis
     """The optimum of each of an experiment's joint motions, from `follow`."""
     kinematics = Kinematics(robot)
     q_c = center(experiment.law.q_c, found, robot)
-    transfers = experiment.law.kind == "transfer"
+    transfers = experiment.law.kind != "paper"
     return [
         best_springs(
             joints.q,
             kinematics.torque(joints),
-            # The transfer law's springs are centred on the motion's own mean.
+            # Springs of other laws than the printed one are centred on the motion's own mean.
             center=joints.q.mean(axis=0) if transfers else q_c,
             period=motion.period,
             bounds=experiment.springs,

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import laws, warnings
 from . import motion as motions
-from . import warnings
+from .controller import standard
 from .experiment import Experiment
 from .gains import Gains, gains
 from .kinematics import Kinematics
+from .laws import CustomLaw
 from .memory import Memory
 from .optimal_springs import Optimum, along, center, follow, resolved
 from .robot import Robot, build
@@ -22,6 +24,7 @@ class Prepared:
 
     experiment: Experiment
     robot: Robot
+    law: CustomLaw
     gains: Gains
     notes: tuple[str, ...]
     optima: list[Optimum]
@@ -68,6 +71,8 @@ def prepare(experiment: Experiment) -> Prepared:
         RobotError: the robot cannot be loaded.
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
     """
+    kind = experiment.law.kind
+    law = CustomLaw(standard, None) if kind in ("transfer", "paper") else laws.load(kind)
     robot = build(experiment)
     experiment = resolved(experiment, robot)
     found = follow(experiment, robot)
@@ -76,6 +81,7 @@ def prepare(experiment: Experiment) -> Prepared:
     return Prepared(
         experiment=experiment,
         robot=robot,
+        law=law,
         gains=chosen,
         notes=(*robot.notes, *warnings.before(experiment, robot, chosen, found, optima)),
         optima=optima,
@@ -97,6 +103,7 @@ def load_law(memory: Memory, index: int, one: Prepared) -> None:
     memory["feedback"][index] = chosen.feedback
     for name in ("gamma_k", "gamma_qe"):
         memory[name][index] = getattr(law, name)
+    memory["parameters"][index] = law.parameters
     memory["q_c"][index] = one.q_c
     memory["q_s"][index] = one.q_s
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
@@ -114,6 +121,7 @@ def load_law(memory: Memory, index: int, one: Prepared) -> None:
         ("form", {"inverse": 0, "transpose": 1, "damped": 2}[chosen.jacobian]),
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
+        ("count", len(law.parameters)),
         ("alpha", law.alpha),
         ("alpha_0", law.alpha_0),
         ("timestep", dt),

@@ -134,6 +134,7 @@ def build(experiment: Experiment) -> Robot:
         coordinates=len(axes),
         dofs=model.nv,
         steps=max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion),
+        parameters=len(experiment.law.parameters),
     )
     actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
     limits = np.where(

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 
 import mujoco
+import numpy as np
 
 from . import controller, learning
 from .callback import installed, refuse_another
@@ -120,7 +121,7 @@ def _simulate(
     schedule = group[0].schedule
     wall = 0.0
     passed = False
-    with installed(interpret=interpret):
+    with installed(interpret=interpret, command=group[0].law.command):
         for cycle, segment in enumerate(schedule):
             steps = group[0].steps(segment)
             passing = group[0].blending(cycle) is not None
@@ -183,17 +184,23 @@ def _learn(memory: Memory, going: list[int], group: list[Prepared], cycle: int) 
             )
         else:
             springs = [memory[name][index] for name in ("stiffness", "offset", "q_c")]
-            taken = learning.transfer(
-                u,
-                y,
-                q,
-                *springs,
-                gain=chosen.learning,
-                lead=chosen.lead,
-                harmonics=chosen.harmonics,
-                bounds=(bounds.stiffness, bounds.equilibrium),
-            )
-            learned = taken.u
+            taken: Sequence[np.ndarray]
+            if one.law.learn is not None:
+                parameters = np.array(one.experiment.law.parameters)
+                copies = tuple(part.copy() for part in (u, y, q, *springs))
+                taken = one.law.learned(copies, parameters)
+            else:
+                taken = learning.transfer(
+                    u,
+                    y,
+                    q,
+                    *springs,
+                    gain=chosen.learning,
+                    lead=chosen.lead,
+                    harmonics=chosen.harmonics,
+                    bounds=(bounds.stiffness, bounds.equilibrium),
+                )
+            learned = taken[0]
             for view, value in zip(springs, taken[1:], strict=True):
                 view[:] = value
         memory["learned"][index, :following] = learning.resample(learned, following)
