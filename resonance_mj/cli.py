@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 import threading
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from .experiment import Experiment
+    from .inspection import Inspection, Joint
     from .optimal_springs import Optimum
     from .run import Run
 
@@ -77,6 +79,18 @@ def _parser() -> argparse.ArgumentParser:
     optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
     _what(optimum)
     optimum.epilog = _KEYS
+
+    inspect = _command(
+        commands, "inspect", _inspect, "what is found in an arm, and a motion and gains for it"
+    )
+    inspect.add_argument("robot", metavar="MJCF", help="a path, a built-in name or menagerie:NAME")
+    inspect.add_argument("--tool", metavar="NAME", help="the site or body that follows the motion")
+    inspect.add_argument(
+        "--home", metavar="KEY|ANGLES", help="a keyframe, or joint angles as in --home=0.5,-1 [rad]"
+    )
+    inspect.add_argument(
+        "--toml", action="store_true", help="print an experiment file for it and nothing else"
+    )
 
     plot = _command(commands, "plot", _plot, "draw the figure of a run again")
     plot.add_argument("run", metavar="RUN", type=Path, help="a run's folder, such as runs/paper")
@@ -231,6 +245,33 @@ def _optimum(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _inspect(options: argparse.Namespace) -> int:
+    from .experiment import for_robot
+    from .inspection import inspect
+
+    changes: dict[str, Any] = {}
+    if options.tool is not None:
+        changes["robot.tool"] = options.tool
+    if options.home is not None:
+        home = _value(options.home)
+        changes["robot.home"] = [home] if isinstance(home, int | float) else home
+    found = inspect(for_robot(options.robot).replace(changes))
+    if options.toml:
+        print(found.to_toml(), end="")
+        return DONE
+    console = _console()
+    for kind, slides in (("hinge", False), ("slide", True)):
+        joints = [joint for joint in found.joints if joint.slides == slides]
+        if joints:
+            console.print(_joints_table(f"{found.experiment.name}: {kind} joints", joints))
+            console.print(_effort_table(f"{kind} joints along the suggested motion", joints))
+    console.print(_tools_table(found))
+    console.print(_suggestion_table(found))
+    for note in found.notes:
+        console.print(f"  {note}", soft_wrap=True)
+    return DONE
+
+
 def _plot(options: argparse.Namespace) -> int:
     from . import figures
     from .files import writable
@@ -335,6 +376,102 @@ def _optimum_table(experiment: Experiment, joints: tuple[str, ...], best: list[O
     )
     table.add_row("torque reduction [%]", *(_number(b.torque_reduction, 100, 1) for b in best))
     return table
+
+
+def _joints_table(title: str, joints: list[Joint]) -> Table:
+    """Joints as they are in the MJCF; all are hinges, or all are slides."""
+    angle, torque, inertia = _units(joints)
+    table = _table(title, 0)
+    damping = f"{torque} s/{angle}"
+    for heading in (
+        f"home\n[{angle}]",
+        f"range\n[{angle}]",
+        f"damping\n[{damping}]",
+        f"inertia\n[{inertia}]",
+        f"motor limit\n[{torque}]",
+    ):
+        table.add_column(heading, justify="right")
+    for joint in joints:
+        table.add_row(
+            joint.name,
+            _number(joint.home, 1, 3),
+            _interval(joint.range),
+            _number(joint.damping, 1, 3),
+            _number(joint.inertia, 1, 4),
+            _interval(joint.torque_limit),
+        )
+    return table
+
+
+def _effort_table(title: str, joints: list[Joint]) -> Table:
+    """What a motion asks of joints, beside the limits of their motors."""
+    angle, torque, _ = _units(joints)
+    table = _table(title, 0)
+    for heading in (
+        f"peak speed\n[{angle}/s]",
+        f"peak torque\nwithout springs [{torque}]",
+        "of the limit\n[%]",
+        f"with the best\nsprings [{torque}]",
+    ):
+        table.add_column(heading, justify="right")
+    for joint in joints:
+        limited = any(map(math.isfinite, joint.torque_limit))
+        table.add_row(
+            joint.name,
+            _number(joint.peak_speed, 1, 3),
+            _number(joint.peak_torque, 1, 3),
+            _number(joint.share if limited else None, 100, 0),
+            _number(joint.peak_torque_with_springs, 1, 3),
+        )
+    return table
+
+
+def _tools_table(found: Inspection) -> Table:
+    table = _table("what could be the tool", 0)
+    for heading in ("kind", "on body", "chosen"):
+        table.add_column(heading)
+    for tool in found.tools:
+        chosen = found.tool_reason if tool == found.tool else ""
+        table.add_row(tool.name, tool.kind, tool.body, chosen)
+    return table
+
+
+def _suggestion_table(found: Inspection) -> Table:
+    motion, law, gains = found.experiment.motion[0], found.experiment.law, found.gains
+    least, most = found.conditioning.min(), found.conditioning.max()
+    table = _table("suggested motion and gains", 0)
+    table.add_column("")
+    for label, value in (
+        ("reach, stretched out [m]", _number(found.reach, 1, 3)),
+        ("task", ", ".join(found.axes)),
+        ("motion", f"{motion.shape} in {', '.join(motion.plane or ())}"),
+        ("  center [m]", _listed(motion.center)),
+        ("  half sizes [m]", _listed(motion.size)),
+        ("  period T [s]", f"{motion.period:g}"),
+        ("  smallest / largest singular value of J", f"{least:.3f} to {most:.3f}"),
+        ("  torque reduction with the best springs [%]", _number(found.torque_reduction, 100, 1)),
+        ("feedback bandwidth omega [1/s]", f"{gains.omega:g}"),
+        ("share eta that is learned in a cycle", f"{law.eta:g}"),
+        ("lead [control periods]", str(gains.lead)),
+        ("harmonics of 1/T that are learned", str(gains.harmonics or "all")),
+    ):
+        table.add_row(label, value)
+    return table
+
+
+def _units(joints: list[Joint]) -> tuple[str, str, str]:
+    """Units of angle, torque and inertia of hinges, or of what they are for slides."""
+    return ("m", "N", "kg") if joints[0].slides else ("rad", "N m", "kg m²")
+
+
+def _interval(ends: tuple[float, float] | None) -> str:
+    if ends is None or not any(map(math.isfinite, ends)):
+        return "none"
+    return f"{ends[0]:.4g} to {ends[1]:.4g}"
+
+
+def _listed(values: Sequence[float] | None) -> str:
+    return ", ".join(f"{value:.3f}" for value in values or ())
 
 
 def _table(title: str, motions: int) -> Table:

@@ -12,7 +12,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from . import library
+from . import library, menagerie
 from .errors import RobotError
 
 USUAL_TOOLS = (
@@ -63,6 +63,8 @@ def find(mjcf: str) -> Path:
     Raises:
         RobotError: there is no such file.
     """
+    if mjcf.startswith(menagerie.PREFIX):
+        return menagerie.find(mjcf)
     path = Path(mjcf)
     if path.is_file():
         return path
