@@ -246,10 +246,10 @@ def stability(cycles: int) -> Iterator[Sequence[str]]:
         "dt [ms]",
         "lead",
         "best [%]",
-        "worse than no springs",
+        "worse",
         "DIVERGED",
-        "torque² at the end",
-        "RMS [mm]",
+        "torque²",
+        "RMS",
         "u [Hz]",
     )
     runs = rmj.simulate_many(

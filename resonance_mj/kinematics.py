@@ -141,7 +141,7 @@ class Kinematics:
             at = _point(samples.x[i], self.robot)
             return f"{i / steps * period:.3f} s into the cycle, at {at}"
 
-        guess = start
+        guess = self._unfolded(samples.x[0], start)
         for i in range(steps):
             q[i] = self.solve(samples.x[i], guess)
             error, J[i] = self._error(q[i], samples.x[i])
@@ -165,6 +165,15 @@ class Kinematics:
                 "move the motion away from there or choose another home pose"
             )
         return q, J
+
+    def _unfolded(self, x: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Joint angles that reach `x`, from `start` or from beside it where it is singular.
+
+        From an exactly stretched arm no small step brings the tool nearer to its base.
+        """
+        bent = 0.3 * (-1.0) ** np.arange(len(start))
+        guesses = [self.solve(x, guess) for guess in (start, start + bent, start - bent)]
+        return min(guesses, key=lambda q: float(np.linalg.norm(self._error(q, x)[0])))
 
     def torque(self, motion: JointMotion) -> np.ndarray:
         """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).

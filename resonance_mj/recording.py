@@ -42,6 +42,9 @@ MEANING = {
 POSES = 8
 """Poses of a cycle at which its distance from singular poses is measured."""
 
+HARDER, GROWN = 3.0, 10.0
+"""Multiples of torque² without springs, and of the lowest before, above which a run diverges."""
+
 
 class Recording:
     """The samples of one robot's run.
@@ -73,18 +76,27 @@ class Recording:
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
 
-    def growth(self) -> float:
-        """How many times the torque² of the motion without springs the last cycle took.
+    def diverges(self) -> str:
+        """Why the last cycle shows that the run diverges; empty if it does not.
 
-        0 while it falls from cycle to cycle, and in the first cycle of a motion, which may begin
-        with a jump.
+        It does where the motors work harder than without springs by far, and than they did in this
+        motion before by farther. The first cycle of a motion, which may begin with a jump, is no
+        measure; stiff springs that adapt from far away are high, but do not grow like that.
         """
         last = len(self._torque_squared) - 1
-        if last < 1 or self._segment[last] != self._segment[last - 1]:
-            return 0.0
-        before, now = self._torque_squared[-2:]
-        without = self._optima[self._segment[last]].torque_squared_without_springs
-        return now / without if now > before else 0.0
+        segment = self._segment[last] if last >= 0 else -1
+        first = int(np.argmax(self._segment == segment))
+        earlier = self._torque_squared[first + 1 : last]
+        if not earlier:
+            return ""
+        now, lowest = self._torque_squared[last], min(earlier)
+        without = self._optima[segment].torque_squared_without_springs
+        if now <= HARDER * without or now <= GROWN * lowest:
+            return ""
+        return (
+            f"torque² has grown to {now / without:.3g} times that of the motion without springs, "
+            f"{now / lowest:.3g} times the lowest before, most of it in {self.hardest}"
+        )
 
     def add(self, memory: Memory, robot: int, steps: int, whole: int) -> None:
         """Take a cycle from the controller's memory.

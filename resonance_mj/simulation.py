@@ -20,9 +20,6 @@ from .stepper import Alone, Stepper, Together
 Progress = Callable[[int, int], None]
 """Called after each cycle with the number of cycles done and the number of all."""
 
-DIVERGED = 100.0
-"""Multiple of the torque² without springs that a growing run may reach before it is stopped."""
-
 
 def simulate(
     experiment: Experiment,
@@ -36,7 +33,7 @@ def simulate(
     Args:
         experiment: what to simulate, from `load`.
         interpret: run the law as plain Python in the callback, for a debugger; the same numbers,
-            about fifty times slower.
+            some thirty times slower.
         progress: called after each cycle with the cycles done and the cycles in all.
         note: called before the first step with each thing that was found, changed or is doubtful;
             they stand in `Run.notes` too.
@@ -217,13 +214,10 @@ def _what_diverged(
         joint = one.robot.joints[int(memory.scalar("failed_joint")[index])]
         why = f"{joint} would turn by more than one radian in a time step"
         where += f", {(failed - 1) * dt:.3f} s into it"
-    elif recording.growth() > DIVERGED:
-        why = (
-            f"torque² grows from cycle to cycle and is {recording.growth():.0f} times that of the "
-            f"motion without springs, most of it in {recording.hardest}"
-        )
     else:
-        return ""
+        why = recording.diverges()
+        if not why:
+            return ""
     tries = f"a shorter simulation.timestep (now {dt:g} s)"
     if cycle == 0:
         tries = f"smaller law.k_v and law.k_p or {tries}"

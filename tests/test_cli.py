@@ -1,6 +1,7 @@
 """The command line as a user meets it: real processes, files, exit statuses, one line on stderr."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -192,12 +193,13 @@ def test_a_wheel_works_outside_the_checkout(tmp_path):
     assert not list((site / "resonance_mj" / "runs").glob("*/"))
     here = tmp_path / "empty"
     here.mkdir()
-    code = (
-        f"import sys; sys.path.insert(0, {str(site)!r}); import resonance_mj.cli as c; "
-        f"assert c.__file__.startswith({str(site)!r}); sys.exit(c.main(['optimum', 'paper']))"
-    )
     process = subprocess.run(
-        [sys.executable, "-c", code], cwd=here, capture_output=True, text=True, timeout=300
+        [site / "bin" / "resonance-mj", "optimum", "paper"],
+        cwd=here,
+        env=os.environ | {"PYTHONPATH": str(site)},
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert process.returncode == 0, process.stderr
     assert "29.950" in process.stdout

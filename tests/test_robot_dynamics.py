@@ -190,3 +190,10 @@ def test_integrator_discrete_dissipates_a_free_spring_and_is_refused(experiment)
     assert left < 0.05
     with pytest.raises(rmj.ResonanceError, match=r"discrete.*dissipates"):
         experiment.replace({"simulation.integrator": "discrete"})
+
+
+@pytest.mark.parametrize("home", [(np.pi, 0.0), (0.0, 0.0)])
+def test_motion_is_found_from_a_home_pose_that_is_exactly_stretched(home):
+    """There the Jacobian is singular, and no small step brings the tool nearer to its base."""
+    found = rmj.optimum(rmj.load("paper").replace({"robot.home": home}))
+    assert all(0.7 < best.torque_reduction < 1 for best in found)
