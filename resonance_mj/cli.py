@@ -441,10 +441,11 @@ def _suggestion_table(found: Inspection) -> Table:
     least, most = found.conditioning.min(), found.conditioning.max()
     table = _table("suggested motion and gains", 0)
     table.add_column("")
+    table.show_header = False
     for label, value in (
         ("reach, stretched out [m]", _number(found.reach, 1, 3)),
         ("task", ", ".join(found.axes)),
-        ("motion", f"{motion.shape} in {', '.join(motion.plane or ())}"),
+        ("motion", f"{motion.shape} in {', '.join(dict.fromkeys(motion.plane or ()))}"),
         ("  center [m]", _listed(motion.center)),
         ("  half sizes [m]", _listed(motion.size)),
         ("  period T [s]", f"{motion.period:g}"),

@@ -264,8 +264,8 @@ def _toml(found: Inspection) -> str:
 
 
 _HEADING = (
-    "Written by `resonance-mj inspect --toml`: what was found, in SI units and radians. Every other "
-    "key has its default; `resonance-mj keys` lists them all."
+    "Written by `resonance-mj inspect --toml`: what was found, in SI units and radians. Every "
+    "other key has its default; `resonance-mj keys` lists them all."
 )
 
 

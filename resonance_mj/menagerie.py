@@ -82,6 +82,6 @@ def _unavailable(name: str, root: str | None, error: Exception) -> str:
     if root:
         return f"{reason}; it must be the folder that holds {name}/, or unset to download it"
     return (
-        f"cannot be downloaded: {reason}; with a local copy of mujoco_menagerie, set MENAGERIE_ROOT "
-        f"to the folder that holds {name}/"
+        f"cannot be downloaded: {reason}; with a local copy of mujoco_menagerie, set "
+        f"MENAGERIE_ROOT to the folder that holds {name}/"
     )

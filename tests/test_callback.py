@@ -184,7 +184,7 @@ def spied(monkeypatch):
     seen = []
     law = callback._interpreted
 
-    def spy(model, data):
+    def spy(command, model, data):
         before = {
             "stiffness": model.jnt_stiffness.copy(),
             "equilibrium": model.qpos_spring.copy(),
@@ -192,7 +192,7 @@ def spied(monkeypatch):
             "q": data.qpos.copy(),
             "time": data.time,
         }
-        law(model, data)
+        law(command, model, data)
         seen.append(before | {"ctrl": data.ctrl.copy()})
 
     monkeypatch.setattr(callback, "_interpreted", spy)
