@@ -137,8 +137,11 @@ class Kinematics:
         From an exactly stretched arm no small step brings the tool nearer to its base.
         """
         bent = 0.3 * (-1.0) ** np.arange(len(start))
-        guesses = [self.solve(x, guess) for guess in (start, start + bent, start - bent)]
-        return min(guesses, key=lambda q: float(np.linalg.norm(self._error(q, x)[0])))
+        for guess in (start, start + bent, start - bent):
+            q = self.solve(x, guess)
+            if np.linalg.norm(self._error(q, x)[0]) < 1e3 * TOLERANCE:
+                return q
+        return self.solve(x, start)
 
     def torque(self, motion: JointMotion) -> np.ndarray:
         """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).
