@@ -237,9 +237,10 @@ def _optimum(options: argparse.Namespace) -> int:
 
     experiment = _experiment(options)
     from . import robot
-    from .optimal_springs import along, follow
+    from .optimal_springs import along, follow, resolved
 
     arm = robot.build(experiment)
+    experiment = resolved(experiment, arm)
     best = along(experiment, arm, follow(experiment, arm))
     _console().print(_optimum_table(experiment, arm.joints, best))
     return DONE

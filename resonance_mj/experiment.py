@@ -388,7 +388,10 @@ def for_robot(mjcf: str) -> Experiment:
     """
     path = Path(mjcf)
     stem = path.parent.name if path.stem in ("robot", "scene", "model") else path.stem
-    name = "".join(letter if letter.isalnum() or letter in "._-" else "-" for letter in stem)
+    name = "".join(
+        letter if (letter.isascii() and letter.isalnum()) or letter in "._-" else "-"
+        for letter in stem
+    )
     return _validate({"name": name.strip("._-") or "arm", "robot": {"mjcf": mjcf}}, mjcf)
 
 

@@ -32,6 +32,9 @@ USUAL_TOOLS = (
 )
 """Names that authors give to the point that works, the likeliest first."""
 
+FINGER_JOINTS = 3
+"""Most joints of a gripper's finger."""
+
 TOOL_SITE = "resonance_mj_tool"
 """The site that is added where the tool is a body."""
 
@@ -169,7 +172,9 @@ def _tool(
         raise RobotError(
             f"{path}: no hinge or slide joint moves anything in it; an arm needs at least one"
         )
-    # A usual name on the base or on another arm is not the tool: it must be moved by all joints.
+    # A usual name on the base or on another arm is not the tool: it must be moved by all joints of
+    # the arm, which are those of the longest chain without a gripper's.
+    longest -= _fingers(model, lengths.index(longest))
     at_end = {body for body in range(model.nbody) if lengths[body] == longest}
     for name in USUAL_TOOLS:
         if name in sites and int(model.site(name).bodyid[0]) in at_end:
@@ -186,6 +191,32 @@ def _tool(
         f"tool: body {model.body(best).name!r}, the deepest of the longest chain of joints"
     )
     return "body", model.body(best).name
+
+
+def _fingers(model: mujoco.MjModel, tip: int) -> int:
+    """How many of the joints that move `tip` are a finger's, past a body where several spread.
+
+    Two arms on a torso spread as well, but with more joints than a finger has.
+    """
+    moved = {int(model.jnt_bodyid[j]) for j in range(model.njnt)}
+    joints, body, found = 0, tip, 0
+    while body > 0 and joints <= FINGER_JOINTS:
+        joints += int(model.body_jntnum[body])
+        body = int(model.body_parentid[body])
+        branches = {_child_towards(model, body, other) for other in moved} - {-1}
+        if body > 0 and len(branches) > 1 and 0 < joints <= FINGER_JOINTS and _chain(model, body):
+            found = joints
+    return found
+
+
+def _child_towards(model: mujoco.MjModel, ancestor: int, body: int) -> int:
+    """The child of `ancestor` through which `body` hangs on it, or -1."""
+    while body > 0:
+        parent = int(model.body_parentid[body])
+        if parent == ancestor:
+            return body
+        body = parent
+    return -1
 
 
 def _arm_length(model: mujoco.MjModel, body: int) -> int:
@@ -232,7 +263,7 @@ def _keyframe(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[np.n
 
 
 def _torque_limit(model: mujoco.MjModel, joint: int) -> tuple[float, float] | None:
-    """Least and greatest torque that the file's actuators can put on a joint; None without limit."""
+    """Least and greatest torque that the actuators can put on a joint; None without limit."""
     low, high, found = 0.0, 0.0, False
     for a in range(model.nu):
         on_joint = int(model.actuator_trntype[a]) in (

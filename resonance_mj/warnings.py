@@ -45,13 +45,21 @@ def before(
 
 def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
     """Motors that cannot give the torque that a motion needs with the best springs."""
-    strongest = np.abs(robot.torque_limit).min(axis=1)
-    ratio = np.abs(best.torque).max(axis=0) / strongest
-    return [
-        f"{name} asks for {ratio[j]:.1f} times the torque limit of {robot.joints[j]}, "
-        f"{strongest[j]:g} N m, even with the best springs: slow it down or make it smaller"
-        for j in np.flatnonzero(ratio > 1.0)
-    ]
+    low, high = robot.torque_limit.T
+    # Of each motor the limit on the side to which its torque points.
+    peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)])
+    limits = np.stack([high, -low])
+    said = []
+    for j, joint in enumerate(robot.joints):
+        for peak, limit in zip(peaks[:, j], limits[:, j], strict=True):
+            if peak > max(limit, 0.0):
+                said.append(
+                    f"{name} asks {joint} for {peak:.3g} N m even with the best springs, and its "
+                    f"motor gives {limit:g}"
+                    + (f", {peak / limit:.1f} times less" if limit > 0 else "")
+                    + ": slow the motion down or make it smaller"
+                )
+    return said
 
 
 def _unstable_feedback(
