@@ -288,19 +288,17 @@ def _list(options: argparse.Namespace) -> int:
     from rich.table import Table
 
     from . import library
-    from .experiment import load
 
-    table = Table(title="experiments", title_justify="left", box=None, padding=(0, 2, 0, 0))
-    for heading in ("name", "robot", "motions", "cycles", "law"):
-        table.add_column(heading, justify="right" if heading in ("motions", "cycles") else "left")
-    for name in library.experiments():
-        one = load(name)
-        cycles = sum(motion.cycles for motion in one.motion)
-        law = f"{one.law.kind}, J {one.law.jacobian}"
-        table.add_row(name, Path(one.robot.mjcf).name, str(len(one.motion)), str(cycles), law)
     console = _console()
-    console.print(table)
-    console.print(f"\nrobots: {', '.join(library.robots())} in {library.folder('mjcf')}")
+    for title, files in (("runs", library.experiments()), ("robots", library.robots())):
+        table = Table(title=title, title_justify="left", box=None, padding=(0, 2, 0, 0))
+        table.add_column("name", no_wrap=True)
+        table.add_column("what it is")
+        for name, path in files.items():
+            table.add_row(name, library.line(path))
+        console.print(table)
+        console.print()
+    console.print(f"robots are in {library.folder('mjcf')}, runs in {library.folder('runs')}")
     return DONE
 
 
@@ -344,11 +342,15 @@ def _summary_table(run: Run) -> Table:
     row("torque reduction [%]", "torque_reduction", 100, 1)
     row("mean torque² [N² m²]", "torque_squared", 1, 2)
     row("  without springs", "torque_squared_without_springs", 1, 2)
+    slides = run.data["slides"].values
     for joint, name in enumerate(run.data["joint"].values):
-        row(f"stiffness {name} [N m/rad]", "stiffness", 1, 3, joint)
+        unit = "N/m" if slides[joint] else "N m/rad"
+        row(f"stiffness {name} [{unit}]", "stiffness", 1, 3, joint)
     for joint, name in enumerate(run.data["joint"].values):
-        row(f"offset {name} [N m]", "offset", 1, 3, joint)
+        row(f"offset {name} [{'N' if slides[joint] else 'N m'}]", "offset", 1, 3, joint)
     row("tracking RMS [mm]", "tracking_rms", 1e3, 3)
+    if "rotation_rms" in run.data:
+        row("rotation RMS [mrad]", "rotation_rms", 1e3, 3)
     reached = [segment["cycles_to_optimum"] for segment in segments]
     cells = ((str(cycle or "never"), "") for cycle in reached)
     table.add_row("first cycle at the optimum", *(cell for pair in cells for cell in pair))

@@ -111,8 +111,15 @@ def _draw(run: Run) -> Figure:
     for letter, ((name, index), (row, column)) in zip(_letters(), places.items(), strict=False):
         ax = fig.add_subplot(grid[row, column])
         of = axes[index] if name == "x" else joints[index]
-        ax.set_title(f"({letter}) {TITLES[name].format(of)}")
+        title = f"({letter}) {TITLES[name].format(of)}"
+        if name != "x" and data["slides"].values[index]:
+            title = title.replace("N m/rad", "N/m").replace("N m", "N")
+        ax.set_title(title)
         if name == "x":
+            if of.startswith("r"):
+                ax.set_title(
+                    title.replace("tool position", "tool rotation").replace("[m]", "[rad]")
+                )
             one = data.sel(axis=of)
             windows.plot(ax, data, one["x"], MEASURED, "-", "measured")
             windows.plot(ax, data, one["x_desired"], DESIRED, "--", "desired")

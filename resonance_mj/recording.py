@@ -39,6 +39,15 @@ MEANING = {
     "center": "center q_c of the offset torque",
 }
 
+OF_SLIDES = {
+    "rad": "m",
+    "rad/s": "m/s",
+    "m^2/s": "m^2/s",
+    "N m": "N",
+    "N m/rad": "N/m",
+}
+"""Units of a hinge joint's variables, and of a slide joint's."""
+
 POSES = 8
 """Poses of a cycle at which its distance from singular poses is measured."""
 
@@ -181,6 +190,7 @@ class Recording:
             "cycle": ("cycle", np.arange(1, cycles + 1), {"units": "1"}),
             "segment": ("segment", np.arange(1, len(optima) + 1), {"units": "1"}),
             "joint": ("joint", list(robot.joints), {"units": "1"}),
+            "slides": ("joint", robot.slides, {"units": "1", "long_name": "1 for a slide joint"}),
             "axis": ("axis", list(robot.axes), {"units": "1"}),
             "cycle_of_sample": ("time", _joined(self._sample_cycles).astype(int), {"units": "1"}),
             "segment_of_cycle": ("cycle", self._segment[:cycles] + 1, {"units": "1"}),
@@ -232,6 +242,11 @@ class Recording:
         data["end"] = ("segment", ends, _about("s", "end of the motion"))
         periods = [motion.period for motion in experiment.motion]
         data["period"] = ("segment", periods, _about("s", "cycle time T"))
+        if robot.slides.any():
+            for variable in data.values():
+                if "joint" in variable.dims:
+                    units = variable.attrs["units"]
+                    variable.attrs["units"] = f"{units}; {OF_SLIDES[units]} for slide joints"
         data.attrs["thinned"] = int(len(self._kept) < len(self._segment))
         return data
 

@@ -76,6 +76,11 @@ class Robot:
         return len(self.coordinate)
 
     @property
+    def slides(self) -> np.ndarray:
+        """1 for each slide joint, 0 for each hinge (n,)."""
+        return (self.model.jnt_type[self.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)).astype(int)
+
+    @property
     def rotates(self) -> bool:
         """Whether the task has rotation, its last three coordinates."""
         return self.axes[-1] == "rz"
