@@ -12,7 +12,8 @@ def find(model: mujoco.MjModel, joint_id: np.ndarray, site: int) -> np.ndarray:
     """Joint angles (n,) [rad or m] away from joint limits, singular poses and contacts.
 
     Of poses drawn with a fixed seed, the one with the best product of the tool Jacobian's smallest
-    singular value and the distance to the nearest joint limit, among those without a contact.
+    singular value and the distance to the nearest joint limit, among those without a contact; among
+    all where bodies that overlap leave none without.
 
     Args:
         model: compiled model in which only the arm moves.
@@ -28,7 +29,8 @@ def find(model: mujoco.MjModel, joint_id: np.ndarray, site: int) -> np.ndarray:
     data = mujoco.MjData(model)
     address, dofs = model.jnt_qposadr[joint_id], model.jnt_dofadr[joint_id]
     jacobian = np.zeros((6, model.nv))
-    best, pose = -1.0, (low + high) / 2
+    best, pose = -1.0, None
+    best_touching, touching = -1.0, (low + high) / 2
     for _ in range(SAMPLES):
         share = rng.uniform(0.15, 0.85, len(joint_id))
         q = low + share * (high - low)
@@ -42,7 +44,9 @@ def find(model: mujoco.MjModel, joint_id: np.ndarray, site: int) -> np.ndarray:
             mujoco.mj_collision(model, data)
             if data.ncon == 0:
                 best, pose = score, q
-    return pose
+            elif score > best_touching:
+                best_touching, touching = score, q
+    return touching if pose is None else pose
 
 
 def _conditioning(jacobian: np.ndarray) -> float:

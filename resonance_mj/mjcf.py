@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -34,6 +35,22 @@ USUAL_TOOLS = (
 
 FINGER_JOINTS = 3
 """Most joints of a gripper's finger."""
+
+UNNAMED = "unnamed_"
+"""What the names of joints and bodies begin with that have none in the file."""
+
+BOUNDED = (
+    mujoco.mjtDyn.mjDYN_NONE,
+    mujoco.mjtDyn.mjDYN_FILTER,
+    mujoco.mjtDyn.mjDYN_FILTEREXACT,
+)
+"""Actuator dynamics whose output stays within the limits of the control."""
+
+IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+"""The quaternion of no rotation."""
+
+NO_LIMIT = (-np.inf, np.inf)
+"""The ends of a torque that nothing limits [N m]."""
 
 TOOL_SITE = "resonance_mj_tool"
 """The site that is added where the tool is a body."""
@@ -109,32 +126,50 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
         raise RobotError(_rejected(path, error)) from None
-    for number, joint in enumerate(spec.joints):
-        joint.name = joint.name or f"unnamed_joint{number + 1}"
+    # Bodies that are fused would lose their names, and the others their numbers.
+    spec.compiler.fusestatic = False
+    _name(spec.joints, "joint")
+    _name(spec.bodies, "body")
     model = compile_spec(spec, path)
     notes: list[str] = []
     kind, name = _tool(model, tool, path, notes)
     body = int(model.site(name).bodyid[0]) if kind == "site" else int(model.body(name).id)
     chain = _chain(model, body)
-    _check_chain(model, chain, name, path)
+    if not chain:
+        raise RobotError(f"{path}: no joint moves the tool {name!r}")
+    _check_chain(model, chain, path, f"the tool {name!r}")
     if kind == "body":
-        spec.body(name).add_site(name=TOOL_SITE)
+        _set_pose(spec.body(name).add_site(name=TOOL_SITE), np.zeros(3), IDENTITY)
         name = TOOL_SITE
-    qpos, has_key = _keyframe(model, home, path)
+    at_home, has_key = _at_home(model, home, path)
     joints = tuple(model.joint(j).name for j in chain)
     limits = {joint: _torque_limit(model, j) for joint, j in zip(joints, chain, strict=True)}
+    _keep_rotors(spec, model, chain)
     _take_out(spec, notes)
-    _hold_off_chain(spec, model, qpos, chain, notes)
+    _hold_off_chain(spec, model, at_home, chain, path, notes)
     _linear_springs(spec, joints, notes)
+    _passive_gravity(spec, notes)
+    _switch_on(spec, notes)
     for joint in joints:
         _add_motor(spec, joint, limits[joint])
     return Arm(
         spec=spec,
         joints=joints,
         tool=name,
-        home=qpos[model.jnt_qposadr[chain]].copy() if has_key else None,
+        home=at_home.qpos[model.jnt_qposadr[chain]].copy() if has_key else None,
         notes=notes,
     )
+
+
+def _name(elements: list[Any], kind: str) -> None:
+    """Give a name to each element that has none."""
+    taken = {element.name for element in elements}
+    for number, element in enumerate(elements, 1):
+        name = element.name or f"{UNNAMED}{kind}{number}"
+        while not element.name and name in taken:
+            name += "_"
+        taken.add(name)
+        element.name = name
 
 
 def _rejected(path: Path, error: ValueError) -> str:
@@ -166,9 +201,13 @@ def _tool(
             f"{path}: robot.tool = {given!r}: no such site or body; its sites are: "
             f"{_listed(sites)}; its bodies: {_listed(bodies)}"
         )
-    lengths = [_arm_length(model, body) for body in range(model.nbody)]
+    cloth = set(model.flex_vertbodyid.tolist())
+    lengths = [_arm_length(model, body) * (body not in cloth) for body in range(model.nbody)]
     longest = max(lengths)
     if longest == 0:
+        for j in range(model.njnt):
+            if _carries_spring(model, j):
+                _check_chain(model, _chain(model, int(model.jnt_bodyid[j])), path)
         raise RobotError(
             f"{path}: no hinge or slide joint moves anything in it; an arm needs at least one"
         )
@@ -184,9 +223,10 @@ def _tool(
             notes.append(f"tool: body {name!r}, found by its usual name")
             return "body", name
     depth = [_depth(model, body) for body in range(model.nbody)]
-    best = max(sorted(at_end), key=lambda body: (bool(model.body(body).name), depth[body]))
-    if not model.body(best).name:
-        raise RobotError(f"{path}: the arm's last body has no name; name it, or a site on it")
+    best = max(
+        sorted(at_end),
+        key=lambda body: (not model.body(body).name.startswith(UNNAMED), depth[body]),
+    )
     notes.append(
         f"tool: body {model.body(best).name!r}, the deepest of the longest chain of joints"
     )
@@ -236,55 +276,85 @@ def _carries_spring(model: mujoco.MjModel, joint: int) -> bool:
     )
 
 
-def _check_chain(model: mujoco.MjModel, chain: list[int], tool: str, path: Path) -> None:
-    if not chain:
-        raise RobotError(f"{path}: no joint moves the tool {tool!r}")
+def _check_chain(
+    model: mujoco.MjModel, chain: list[int], path: Path, tool: str = "the arm's end"
+) -> None:
     for j in chain:
         if not _carries_spring(model, j):
             kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
             raise RobotError(
-                f"{path}: joint {model.joint(j).name!r} between the world and the tool {tool!r} is "
+                f"{path}: joint {model.joint(j).name!r} between the world and {tool} is "
                 f"a {kind} joint; only hinge and slide joints can carry a spring"
             )
 
 
-def _keyframe(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[np.ndarray, bool]:
-    """The whole model's qpos at home, and whether a keyframe says so."""
-    key = mujoco.mj_name2id(model, _OBJ.mjOBJ_KEY, name or "home")
-    if key >= 0:
-        return model.key_qpos[key].copy(), True
-    if name is not None:
-        names = [model.key(i).name for i in range(model.nkey)]
+def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoco.MjData, bool]:
+    """The whole model at home, and whether a keyframe says so."""
+    names = [model.key(i).name for i in range(model.nkey)]
+    data = mujoco.MjData(model)
+    if name is None:
+        # An arm that is attached to a scene brings its keyframe with a prefix.
+        prefixed = [key for key in names if key.endswith("home")]
+        name = "home" if "home" in names else prefixed[0] if len(prefixed) == 1 else None
+    elif name not in names:
         raise RobotError(
             f"{path}: robot.home = {name!r}: no such keyframe; its keyframes are: "
             f"{_listed(names)}. Or give the joint angles as a list"
         )
-    return model.qpos0.copy(), False
+    if name is not None:
+        mujoco.mj_resetDataKeyframe(model, data, names.index(name))
+    mujoco.mj_kinematics(model, data)
+    return data, name is not None
+
+
+def _acting_on(model: mujoco.MjModel, joint: int) -> list[int]:
+    """Ids of the actuators on a joint."""
+    return [
+        a
+        for a in range(model.nu)
+        if model.actuator_trnid[a, 0] == joint
+        and int(model.actuator_trntype[a])
+        in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    ]
 
 
 def _torque_limit(model: mujoco.MjModel, joint: int) -> tuple[float, float] | None:
     """Least and greatest torque that the actuators can put on a joint; None without limit."""
-    low, high, found = 0.0, 0.0, False
-    for a in range(model.nu):
-        on_joint = int(model.actuator_trntype[a]) in (
-            mujoco.mjtTrn.mjTRN_JOINT,
-            mujoco.mjtTrn.mjTRN_JOINTINPARENT,
-        )
-        if not on_joint or model.actuator_trnid[a, 0] != joint:
-            continue
-        gear, gain = model.actuator_gear[a, 0], model.actuator_gainprm[a, 0]
-        if model.actuator_forcelimited[a]:
-            ends = gear * model.actuator_forcerange[a]
-        elif (
-            model.actuator_ctrllimited[a]
-            and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
-            and model.actuator_gaintype[a] == mujoco.mjtGain.mjGAIN_FIXED
-        ):
-            ends = gear * gain * model.actuator_ctrlrange[a]
-        else:
-            return None
-        low, high, found = low + min(ends), high + max(ends), True
-    return (float(low), float(high)) if found and low < high else None
+    acting = _acting_on(model, joint)
+    low, high = np.sum([_actuator_limit(model, a) for a in acting] or [NO_LIMIT], axis=0)
+    if model.jnt_actfrclimited[joint]:
+        low = max(low, model.jnt_actfrcrange[joint, 0])
+        high = min(high, model.jnt_actfrcrange[joint, 1])
+    return (float(low), float(high)) if np.isfinite([low, high]).all() and low < high else None
+
+
+def _actuator_limit(model: mujoco.MjModel, a: int) -> tuple[float, float]:
+    """Least and greatest torque of an actuator at its joint."""
+    gear, gain = model.actuator_gear[a, 0], model.actuator_gainprm[a, 0]
+    low, high = NO_LIMIT
+    if (
+        model.actuator_ctrllimited[a]
+        and int(model.actuator_dyntype[a]) in BOUNDED
+        and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
+        and model.actuator_gaintype[a] == mujoco.mjtGain.mjGAIN_FIXED
+    ):
+        low, high = sorted(gain * model.actuator_ctrlrange[a])
+    if model.actuator_forcelimited[a]:
+        low = max(low, model.actuator_forcerange[a, 0])
+        high = min(high, model.actuator_forcerange[a, 1])
+    ends = sorted((gear * low, gear * high)) if gear else [0.0, 0.0]
+    return ends[0], ends[1]
+
+
+def _keep_rotors(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int]) -> None:
+    """Leave to each joint the inertia and the damping of the actuators that are replaced."""
+    for j in chain:
+        joint = spec.joint(model.joint(j).name)
+        for a in _acting_on(model, j):
+            gear = model.actuator_gear[a, 0]
+            damping = [model.actuator_damping[a], *model.actuator_dampingpoly[a]]
+            joint.armature += gear**2 * model.actuator_armature[a]
+            joint.damping = joint.damping + gear**2 * np.array(damping)
 
 
 def _take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
@@ -306,29 +376,61 @@ def _take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
 
 
 def _hold_off_chain(
-    spec: mujoco.MjSpec, model: mujoco.MjModel, qpos: np.ndarray, chain: list[int], notes: list[str]
+    spec: mujoco.MjSpec,
+    model: mujoco.MjModel,
+    at_home: mujoco.MjData,
+    chain: list[int],
+    path: Path,
+    notes: list[str],
 ) -> None:
-    """Fix the joints that do not move the tool where the home pose has them."""
+    """Fix the joints that do not move the tool, and mocap bodies, where the home pose has them."""
     off = [j for j in range(model.njnt) if j not in chain]
-    if not off:
-        return
-    data = mujoco.MjData(model)
-    data.qpos[:] = qpos
-    mujoco.mj_kinematics(model, data)
+    mocap = np.flatnonzero(model.body_mocapid >= 0)
+    _place(spec, model, at_home, sorted({*model.jnt_bodyid[off].tolist(), *mocap.tolist()}), path)
     names = [model.joint(j).name for j in off]
-    for body in sorted({int(model.jnt_bodyid[j]) for j in off}):
-        held = spec.bodies[body]
-        parent = int(model.body_parentid[body])
-        rotation = data.xmat[parent].reshape(3, 3)
-        held.pos = rotation.T @ (data.xpos[body] - data.xpos[parent])
-        inverse, quat = np.empty(4), np.empty(4)
-        mujoco.mju_negQuat(inverse, data.xquat[parent])
-        mujoco.mju_mulQuat(quat, inverse, data.xquat[body])
-        held.quat = quat
-        held.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
     for name in names:
         spec.delete(spec.joint(name))
-    notes.append(f"held where the home pose has them: joints {_listed(names)}")
+    if names:
+        notes.append(f"held where the home pose has them: joints {_listed(names)}")
+
+
+def _place(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], path: Path
+) -> None:
+    """Write the poses that bodies have in `data`, relative to their parents, into the spec."""
+    for body in bodies:
+        parent = int(model.body_parentid[body])
+        _set_pose(
+            spec.bodies[body],
+            *_relative(data.xpos[parent], data.xquat[parent], data.xpos[body], data.xquat[body]),
+        )
+    framed = [body for body in bodies if spec.bodies[body].frame is not None]
+    if not framed:
+        return
+    # MuJoCo puts the pose of a <frame> before that of a body in it; a body without a pose shows it.
+    poses = {body: (spec.bodies[body].pos.copy(), spec.bodies[body].quat.copy()) for body in framed}
+    for body in framed:
+        _set_pose(spec.bodies[body], np.zeros(3), IDENTITY)
+    bare = compile_spec(spec, path)
+    for body, (pos, quat) in poses.items():
+        within = _relative(bare.body_pos[body], bare.body_quat[body], pos, quat)
+        _set_pose(spec.bodies[body], *within)
+
+
+def _relative(
+    pos: np.ndarray, quat: np.ndarray, of_pos: np.ndarray, of_quat: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The pose (of_pos, of_quat) as seen from the pose (pos, quat)."""
+    inverse, seen_pos, seen_quat = np.empty(4), np.empty(3), np.empty(4)
+    mujoco.mju_negQuat(inverse, quat)
+    mujoco.mju_rotVecQuat(seen_pos, of_pos - pos, inverse)
+    mujoco.mju_mulQuat(seen_quat, inverse, of_quat)
+    return seen_pos, seen_quat
+
+
+def _set_pose(element: Any, pos: np.ndarray, quat: np.ndarray) -> None:
+    element.pos, element.quat = pos, quat
+    element.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
 
 def _linear_springs(spec: mujoco.MjSpec, joints: tuple[str, ...], notes: list[str]) -> None:
@@ -345,13 +447,53 @@ def _linear_springs(spec: mujoco.MjSpec, joints: tuple[str, ...], notes: list[st
         notes.append(f"taken off, the law puts its own there: springs of {_listed(taken)}")
 
 
+def _passive_gravity(spec: mujoco.MjSpec, notes: list[str]) -> None:
+    """Leave gravity compensation outside the motors, whose torque is the law's alone."""
+    for joint in spec.joints:
+        joint.actgravcomp = False
+    names = [body.name for body in spec.bodies if body.gravcomp]
+    if names:
+        notes.append(f"the file takes weight off besides the motors (gravcomp): {_listed(names)}")
+
+
+def _switch_on(spec: mujoco.MjSpec, notes: list[str]) -> None:
+    """Switch on what the law needs and the file switches off."""
+    bits = mujoco.mjtDisableBit
+    needed = {
+        "springs": bits.mjDSBL_SPRING,
+        "actuation": bits.mjDSBL_ACTUATION,
+        "control limits": bits.mjDSBL_CLAMPCTRL,
+    }
+    names = [name for name, bit in needed.items() if spec.option.disableflags & int(bit)]
+    for bit in needed.values():
+        spec.option.disableflags &= ~int(bit)
+    spec.option.disableactuator = 0
+    if names:
+        notes.append(f"switched on, the law needs them: {_listed(names)}")
+
+
 def _add_motor(spec: mujoco.MjSpec, joint: str, limit: tuple[float, float] | None) -> None:
-    motor = spec.add_actuator(name=f"motor_{joint}", target=joint)
-    motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    # All that a file's default class could set otherwise is written out.
+    motor = spec.add_actuator(
+        name=f"motor_{joint}",
+        target=joint,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        gear=[1, 0, 0, 0, 0, 0],
+        ctrllimited=limit is not None,
+        ctrlrange=list(limit or (0.0, 0.0)),
+        forcelimited=False,
+        forcerange=[0.0, 0.0],
+        actlimited=False,
+        actrange=[0.0, 0.0],
+        actdim=-1,
+        damping=[0.0, 0.0, 0.0],
+        armature=0.0,
+        inheritrange=0.0,
+        group=0,
+        nsample=0,
+        delay=0.0,
+    )
     motor.set_to_motor()
-    if limit is not None:
-        motor.ctrlrange = list(limit)
-        motor.ctrllimited = True
 
 
 def _listed(names: list[str]) -> str:

@@ -175,3 +175,285 @@ def test_a_ball_joint_before_the_tool_and_an_unknown_tool_are_named(tmp_path):
         mjcf.read(str(path), "nose", None)
     with pytest.raises(rmj.ResonanceError, match=r"robot.home = 'up': no such keyframe"):
         mjcf.read(str(path), None, "up")
+
+
+def moved(path, arm, model):
+    """How far bodies are from where the file's keyframe has them: of positions and orientations."""
+    original = mujoco.MjModel.from_xml_path(str(path))
+    before, after = mujoco.MjData(original), mujoco.MjData(model)
+    key = next((i for i in range(original.nkey) if original.key(i).name.endswith("home")), None)
+    if key is not None:
+        mujoco.mj_resetDataKeyframe(original, before, key)
+        after.qpos[:] = arm.home
+    mujoco.mj_kinematics(original, before)
+    mujoco.mj_kinematics(model, after)
+    away = []
+    for body in range(1, original.nbody):
+        same = model.body(original.body(body).name).id
+        away.append(np.abs(before.xpos[body] - after.xpos[same]).max())
+        away.append(np.abs(before.xmat[body] - after.xmat[same]).max())
+    return max(away)
+
+
+def home(*qpos, more=""):
+    return f'<keyframe><key name="home" qpos="{" ".join(map(str, qpos))}"{more}/></keyframe>'
+
+
+SECOND_ARM = """<frame pos="1 0 1" euler="0 0 40"><frame euler="10 0 0">
+<body name="left1" pos=".1 0 0" euler="0 25 0"><geom size=".05"/>
+<joint name="a" axis="0 1 0" ref="20" pos="0 0 .1"/>
+<body name="left2" pos="0 0 .2"><geom size=".05"/><joint name="b" type="slide" ref=".1"/></body>
+</body></frame></frame>"""
+
+
+@pytest.mark.parametrize(
+    ("parts", "joints"),
+    [
+        ({"scene": SECOND_ARM, "rest": home(0.3, -0.7, 0.4, 0.2)}, "a, b"),
+        ({"scene": SECOND_ARM}, "a, b"),
+        (
+            {
+                "scene": '<body name="ball"><joint name="swing" type="ball"/><geom size=".1"/>'
+                '<body name="bob" pos="0 0 1"><geom size=".1"/></body></body>',
+                "rest": home(0.3, -0.7, 0.5, -0.5, 0.5, 0.5),
+            },
+            "swing",
+        ),
+        (
+            {
+                "scene": '<replicate count="2" offset="0 0 1"><body name="box" pos="3 0 0">'
+                '<freejoint name="free"/><geom size=".1"/></body></replicate>'
+            },
+            "free0, free1",
+        ),
+        (
+            {
+                "scene": '<frame pos="1 1 1" euler="0 0 30"><body name="box"><geom size=".1"/>'
+                '<freejoint name="free"/></body></frame>',
+                "rest": home(0.3, -0.7, 1, 2, 3, 0.8, 0, 0.6, 0),
+            },
+            "free",
+        ),
+        (
+            {
+                "scene": '<body name="goal" mocap="true" pos="1 1 1"><geom size=".1"/></body>',
+                "rest": "<equality><weld body1='goal' body2='lower'/></equality>"
+                + home(0.3, -0.7, more=' mpos="2 1 0" mquat="0 1 0 0"'),
+            },
+            "",
+        ),
+    ],
+    ids=["frames and ref", "no keyframe", "ball", "replicate", "free in a frame", "mocap"],
+)
+def test_what_is_off_the_arm_stands_exactly_where_the_home_pose_has_it(tmp_path, parts, joints):
+    path = written(tmp_path, **parts)
+    arm, model = read(path)
+    assert arm.joints == ("shoulder", "elbow")
+    assert model.nq == model.nv == 2
+    assert moved(path, arm, model) < 1e-12
+    assert not joints or f"held where the home pose has them: joints {joints}" in arm.notes
+
+
+def test_an_arm_that_is_attached_to_a_scene_brings_its_keyframe_limits_and_gripper(tmp_path):
+    force = '<actuator><position name="servo" joint="elbow" kp="9" forcerange="-3 3"/>'
+    written(tmp_path, tool=HAND, rest=GRIP.replace("<actuator>", force))
+    path = tmp_path / "scene.xml"
+    path.write_text(
+        "<mujoco><asset><model name='sub' file='arm.xml'/></asset><worldbody>"
+        "<body name='post' pos='0 0 1'><geom size='.1'/><frame pos='0 0 .2' euler='0 0 90'>"
+        "<attach model='sub' body='base' prefix='right_'/></frame></body>"
+        "</worldbody></mujoco>"
+    )
+    arm, model = read(path)
+    assert arm.joints == ("right_shoulder", "right_elbow")
+    np.testing.assert_array_equal(arm.home, [0.3, -0.7])
+    np.testing.assert_array_equal(model.actuator("motor_right_elbow").ctrlrange, [-3, 3])
+    assert moved(path, arm, model) < 1e-12
+
+
+def test_the_keyframe_that_is_named_is_home(tmp_path):
+    keys = '<keyframe><key name="home" qpos="1 1"/><key name="up" qpos="0.5 -1.5"/></keyframe>'
+    path = written(tmp_path, rest=keys)
+    np.testing.assert_array_equal(read(path)[0].home, [1, 1])
+    np.testing.assert_array_equal(read(path, home="up")[0].home, [0.5, -1.5])
+
+
+@pytest.mark.parametrize(
+    ("joint", "actuators", "limit"),
+    [
+        ('actuatorfrcrange="-5 5"', "", (-5, 5)),
+        ('actuatorfrcrange="-5 5"', "<motor joint='elbow' ctrlrange='-9 3'/>", (-5, 3)),
+        (
+            "",
+            "<motor joint='elbow' gear='10' ctrlrange='-1 1' forcerange='-.5 .5'/>",
+            (-5, 5),
+        ),
+        (
+            "",
+            "<motor joint='elbow' gear='-2' ctrlrange='-1 3'/>"
+            "<position joint='elbow' kp='9' forcerange='-4 4'/>",
+            (-10, 6),
+        ),
+        (
+            "",
+            "<motor joint='elbow' ctrlrange='-1 1'/><position joint='elbow' kp='9'/>",
+            (-np.inf, np.inf),
+        ),
+        ("", "<muscle joint='elbow' lengthrange='-1 1'/>", (-np.inf, np.inf)),
+        ("", "<intvelocity joint='elbow' kp='1' actrange='-1 1'/>", (-np.inf, np.inf)),
+        ("", "<motor site='right_center' ctrlrange='-1 1'/>", (-np.inf, np.inf)),
+        ("", "<adhesion body='lower' ctrlrange='0 1'/>", (-np.inf, np.inf)),
+    ],
+)
+def test_a_joint_keeps_what_all_its_actuators_can_give(tmp_path, joint, actuators, limit):
+    path = written(tmp_path, rest=f"<actuator>{actuators}</actuator>")
+    path.write_text(path.read_text().replace('name="elbow"', f'name="elbow" {joint}'))
+    robot = build(for_robot(str(path)))
+    np.testing.assert_array_equal(robot.torque_limit[1], limit)
+    assert robot.model.nu == 2
+    assert robot.model.na == 0
+
+
+def test_rotor_inertia_and_damping_of_an_actuator_stay_on_its_joint(tmp_path):
+    servo = '<general joint="elbow" gear="3" armature=".1" damping=".5 .2 .1"/>'
+    path = written(tmp_path, rest=f"<actuator>{servo}</actuator>")
+    _, model = read(path)
+    forces = []
+    for one in (mujoco.MjModel.from_xml_path(str(path)), model):
+        data = mujoco.MjData(one)
+        data.qvel[:] = 1.5, -2.0
+        mujoco.mj_forward(one, data)
+        inertia = np.zeros((2, 2))
+        mujoco.mj_fullM(one, data, inertia)
+        forces.append([*data.qfrc_passive, *inertia.ravel()])
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-14)
+
+
+def test_default_classes_change_neither_the_motors_nor_the_tool(tmp_path):
+    path = written(tmp_path)
+    default = """<mujoco><default><joint stiffness="3 2" damping="1" range="-1 1" limited="true"/>
+    <general gear="7" ctrlrange="-.2 .2" forcerange="-3 3" dyntype="filter" dynprm="1" delay=".02"
+    nsample="20" armature="1"/><site pos="1 2 3" euler="1 2 3"/></default>"""
+    path.write_text(path.read_text().replace("<mujoco>", default))
+    arm, model = read(path)
+    np.testing.assert_array_equal(model.site(arm.tool).pos, 0)
+    np.testing.assert_array_equal(model.site(arm.tool).quat, [1, 0, 0, 0])
+    assert not model.jnt_stiffness.any()
+    assert not model.jnt_stiffnesspoly.any()
+    np.testing.assert_array_equal(model.dof_damping, 1)
+    assert not model.dof_armature.any()
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 40.0, -50.0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_array_equal(data.qfrc_actuator, [40, -50])
+
+
+def test_what_a_file_switches_off_and_the_law_needs_is_switched_on(tmp_path):
+    path = written(tmp_path, spring=' stiffness="4"')
+    option = (
+        "<mujoco><option actuatorgroupdisable='0'>"
+        "<flag spring='disable' actuation='disable' contact='disable'/></option>"
+    )
+    path.write_text(path.read_text().replace("<mujoco>", option))
+    arm, model = read(path)
+    model.jnt_stiffness[:] = 2.0
+    data = mujoco.MjData(model)
+    data.qpos[:], data.ctrl[:] = 0.5, 3.0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_array_equal(data.qfrc_actuator, 3)
+    np.testing.assert_array_equal(data.qfrc_spring, -1)
+    assert "switched on, the law needs them: springs, actuation" in arm.notes
+    assert model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT
+
+
+def test_gravity_compensation_is_noted_and_is_no_part_of_the_motors_torque(tmp_path):
+    path = written(tmp_path)
+    text = path.read_text().replace('name="lower"', 'name="lower" gravcomp="1"')
+    path.write_text(text.replace('name="elbow"', 'name="elbow" actuatorgravcomp="true"'))
+    arm, model = read(path)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert not data.qfrc_actuator.any()
+    assert data.qfrc_gravcomp[1]
+    assert any(note.endswith("(gravcomp): lower") for note in arm.notes)
+
+
+def test_elements_that_refer_to_what_is_taken_out_do_not_break_the_model(tmp_path):
+    more = """<contact><exclude body1="left" body2="right"/><pair geom1="g" geom2="h"/></contact>
+    <custom><tuple name="t"><element objtype="joint" objname="l"/>
+    <element objtype="actuator" objname="fingers"/></tuple></custom>
+    <sensor><jointpos joint="l"/><tendonpos tendon="grip"/><actuatorfrc actuator="fingers"/>
+    <framepos objtype="body" objname="left"/></sensor>"""
+    scene = '<geom name="h" size=".1" pos="3 3 3"/>'
+    hand = HAND.replace('<geom size=".01"/></body>', '<geom name="g" size=".01"/></body>', 1)
+    arm, model = read(written(tmp_path, tool=hand, rest=GRIP + more, scene=scene))
+    assert arm.joints == ("shoulder", "elbow")
+    assert model.nsensor == model.ntendon == model.neq == 0
+    assert model.nexclude == model.npair == 1
+
+
+def test_joints_and_bodies_without_names_get_some_that_are_free(tmp_path):
+    path = tmp_path / "arm.xml"
+    link = "<geom type='capsule' fromto='0 0 0 .3 0 0' size='.02'/>"
+    path.write_text(
+        f"<mujoco><worldbody><body><joint name='unnamed_joint2' axis='0 1 0'/>{link}"
+        f"<body pos='.3 0 0'><joint axis='0 1 0'/>{link}</body></body></worldbody></mujoco>"
+    )
+    arm, model = read(path)
+    assert arm.joints == ("unnamed_joint2", "unnamed_joint2_")
+    assert model.body(model.site(arm.tool).bodyid[0]).name == "unnamed_body3"
+
+
+def test_bodies_that_the_compiler_would_fuse_keep_their_places(tmp_path):
+    scene = "<body name='table' pos='2 0 0'><geom size='.1'/></body>"
+    flange = "<body name='flange' pos='.25 0 0'><geom size='.01'/></body>"
+    path = written(tmp_path, tool=flange, scene=scene)
+    path.write_text(path.read_text().replace("<mujoco>", "<mujoco><compiler fusestatic='true'/>"))
+    arm, model = read(path)
+    assert model.body(model.site(arm.tool).bodyid[0]).name == "flange"
+    np.testing.assert_array_equal(model.body("table").pos, [2, 0, 0])
+
+
+@pytest.mark.filterwarnings("ignore:flex 'cloth'")
+def test_a_cloth_in_the_scene_is_not_the_arm(tmp_path):
+    cloth = (
+        "<flexcomp name='cloth' type='grid' count='3 3 1' spacing='.1 .1 .1' pos='3 3 3' "
+        "radius='.01' mass='1'><edge equality='true'/></flexcomp>"
+    )
+    arm, model = read(written(tmp_path, scene=cloth))
+    assert arm.joints == ("shoulder", "elbow")
+    assert model.nv == 2
+
+
+def test_an_arm_on_a_floating_base_is_refused_by_the_free_joint(tmp_path):
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace('name="base">', 'name="base"><freejoint name="f"/>'))
+    with pytest.raises(rmj.ResonanceError, match=r"joint 'f' between .* is a free joint"):
+        mjcf.read(str(path), None, None)
+
+
+def test_a_tool_that_no_joint_moves_is_refused(tmp_path):
+    with pytest.raises(rmj.ResonanceError, match="no joint moves the tool 'right_center'"):
+        mjcf.read(str(written(tmp_path)), "right_center", None)
+
+
+@pytest.mark.parametrize("overlap", [False, True])
+def test_a_home_that_is_found_is_well_conditioned_and_free_where_it_can_be(tmp_path, overlap):
+    path = written(
+        tmp_path,
+        tool="<site name='tcp' pos='.25 0 0'/>",
+        scene="<geom name='floor' type='plane' size='1 1 1' pos='0 0 -.1'/>",
+    )
+    if not overlap:
+        # The upper link no longer sits inside the base.
+        path.write_text(path.read_text().replace('<geom size=".05"/>', '<geom size=".05" '
+                        'contype="0" conaffinity="0"/>', 1))  # fmt: skip
+    robot = build(for_robot(str(path)))
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.qpos
+    mujoco.mj_forward(robot.model, data)
+    assert (data.ncon > 0) == overlap
+    jacobian = np.zeros((3, 2))
+    mujoco.mj_jacSite(robot.model, data, jacobian, None, robot.site)
+    assert np.linalg.cond(jacobian[[0, 2]]) < 4
+    assert robot.axes == ("x", "z")

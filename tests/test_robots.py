@@ -35,6 +35,37 @@ def test_a_robot_at_home_is_well_conditioned_and_touches_nothing(name):
     assert data.ncon == 0
 
 
+@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "two_link.xml"])
+def test_each_link_has_the_inertia_of_the_solid_primitives_that_are_drawn(name):
+    given = mujoco.MjModel.from_xml_path(str(ROBOTS[name]))
+    spec = mujoco.MjSpec.from_file(str(ROBOTS[name]))
+    for body in spec.bodies[1:]:
+        body.explicitinertial = False
+        for geom in body.geoms:
+            geom.mass, geom.density = np.nan, 1.0
+    solid = spec.compile()
+    for i in range(1, given.nbody):
+        inertia = []
+        for model in (given, solid):
+            axes = np.empty(9)
+            mujoco.mju_quat2Mat(axes, model.body_iquat[i])
+            axes = axes.reshape(3, 3)
+            per_mass = axes @ np.diag(model.body_inertia[i]) @ axes.T / model.body_mass[i]
+            inertia.append(per_mass)
+        np.testing.assert_allclose(given.body_ipos[i], solid.body_ipos[i], atol=1e-5)
+        scale = np.trace(inertia[1])
+        np.testing.assert_allclose(inertia[0] / scale, inertia[1] / scale, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_home_is_the_same_each_time_and_within_the_joints_ranges(name):
+    robot, again = build(for_robot(name)), build(for_robot(name))
+    np.testing.assert_array_equal(robot.home, again.home)
+    limited = robot.model.jnt_limited[robot.joint_id].astype(bool)
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    assert ((low < robot.home) & (robot.home < high) | ~limited).all()
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_robot_has_a_run_and_a_line_in_the_readme(name):
     assert any(rmj.load(run).robot.mjcf == name for run in RUNS)
@@ -55,8 +86,15 @@ def test_two_cycles_of_every_run_are_finite_and_the_same_twice(name):
 
 @pytest.mark.parametrize("name", [run for run in RUNS if not run.startswith("paper")])
 def test_a_run_reaches_the_optimum_within_ten_cycles_and_stays(name):
-    (segment,) = rmj.simulate(rmj.load(name)).summary()["segments"]
+    run = rmj.simulate(rmj.load(name))
+    (segment,) = run.summary()["segments"]
     assert segment["cycles_to_optimum"] <= 10
     assert segment["torque_squared"] < 1.02 * segment["torque_squared_optimal"]
     assert segment["tracking_rms"] < 1.5e-3
     assert min(segment["stiffness"]) >= 0
+    robot = build(run.experiment)
+    data = mujoco.MjData(robot.model)
+    for q in run.data.q.values[::50]:
+        data.qpos[robot.qpos_address] = q
+        mujoco.mj_fwdPosition(robot.model, data)
+        assert data.ncon == data.nefc == 0
