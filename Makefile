@@ -3,13 +3,16 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test check format benchmark clean
+.PHONY: paper test test-robots check format benchmark clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 	$(BIN)/resonance-mj run paper
 
 test: $(VENV)/installed-dev   ## run the tests
 	$(BIN)/python -m pytest
+
+test-robots: $(VENV)/installed-dev   ## the law on commercial arms, downloaded; some minutes
+	$(BIN)/python -m pytest -m robots
 
 check: $(VENV)/installed-dev   ## format, lint, types, import order
 	$(BIN)/ruff format --check .

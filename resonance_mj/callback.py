@@ -11,7 +11,7 @@ import hashlib
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,11 @@ import numba
 import numpy as np
 from numba import carray, types
 from numba.core import cgutils
+from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from . import controller, equations, memory, springs, structs
-from .controller import act, begins_step, end_stage, hold
+from .controller import Command, act, begins_step, end_stage, hold, standard
 from .errors import CallbackError
 from .memory import Header, block, matrix
 
@@ -42,16 +43,17 @@ _FOREIGN = (
 
 
 @contextmanager
-def installed(*, interpret: bool = False) -> Iterator[None]:
+def installed(*, interpret: bool = False, command: Command = standard) -> Iterator[None]:
     """Install the control callback while the `with` block runs, and remove it after.
 
     Args:
         interpret: run the law as plain Python, for a debugger, instead of compiled.
+        command: the part of the control step that sets y and τ; a custom law's, or the standard.
 
     Raises:
         CallbackError: a control callback is installed already, by this package or another.
     """
-    function = _interpreted if interpret else _compiled()
+    function = partial(_interpreted, command) if interpret else _compiled(command)
     if not _installing.acquire(blocking=False):
         raise CallbackError(_BUSY)
     try:
@@ -77,29 +79,40 @@ def refuse_another() -> None:
         raise CallbackError(_FOREIGN)
 
 
-def _interpreted(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """The control callback as plain Python: the same functions that `_compiled` compiles."""
     mem = block(data.userdata)
     if mem.size == 0:
         return
     if begins_step(mem):
         site = int(mem[Header.SITE])
-        jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
-        mujoco.mj_jacSite(model, data, jacobian, None, site)
-        act(mem, data.qpos, data.qvel, data.site_xpos[site], data.ctrl)
+        jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+        rotational = jacobian[3:] if mem[Header.ROTATES] == 1.0 else None
+        mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
+        orientation = data.site_xmat[site].reshape(3, 3)
+        act(mem, data.qpos, data.qvel, data.site_xpos[site], orientation, data.ctrl, command)
     hold(mem, data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
 
 
 @cache
-def _compiled() -> Callable[..., Any]:
+def _compiled(command: Command = standard) -> Callable[..., Any]:
     """The control callback as a C function, compiled once and cached on disk."""
     llvmlite.binding.load_library_permanently(str(_libmujoco()))
-    function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint())
+    try:
+        function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint(), command)
+    except NumbaError as error:
+        reason = str(error).strip().splitlines()
+        raise CallbackError(
+            "the law cannot be compiled, try --interpret to debug it: "
+            + " ".join(line.strip() for line in reason[:3])
+        ) from error
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(function.address)
 
 
-def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sources: int) -> Any:
+def _compile(
+    model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sources: int, command: Command
+) -> Any:
     """Compile the callback for one layout of mjModel and mjData.
 
     Numba keys its disk cache with the values that a function closes over. That the offsets and the
@@ -107,7 +120,7 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
     MuJoCo, or an edit in any file of the law, compiles anew.
     """
     jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
-    userdata, qpos, qvel, ctrl, site_xpos, qfrc_bias, qfrc_passive = data_offsets
+    userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
 
     @numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")
     def control(model: int, data: int) -> None:
@@ -120,10 +133,20 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
         motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):
             site = int(mem[Header.SITE])
-            jacobian = matrix(mem, Header.JACOBIAN, 3, int(mem[Header.DOFS]))
-            _mj_jacSite(model, data, jacobian.ctypes.data, 0, site)
-            tool = _doubles(_word(data, site_xpos), 3 * (site + 1))[3 * site :]
-            act(mem, _doubles(_word(data, qpos), _word(model, nq)), speed, tool, motors)
+            jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+            rotational = jacobian[3:].ctypes.data if mem[Header.ROTATES] == 1.0 else 0
+            _mj_jacSite(model, data, jacobian.ctypes.data, rotational, site)
+            position = _word(data, site_xpos) + 24 * site
+            orientation = _pointer(_word(data, site_xmat) + 72 * site)
+            act(
+                mem,
+                _doubles(_word(data, qpos), _word(model, nq)),
+                speed,
+                _doubles(position, 3),
+                carray(orientation, (3, 3), np.float64),
+                motors,
+                command,
+            )
         hold(
             mem,
             speed,
@@ -143,7 +166,7 @@ def _compile(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sour
 # Resolved by name when the compiled code is loaded: an address could not be cached on disk.
 _mj_jacSite = types.ExternalFunction(  # noqa: N816
     "mj_jacSite",
-    types.void(types.intp, types.intp, types.uintp, types.intp, types.int32),
+    types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32),
 )
 
 

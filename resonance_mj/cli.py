@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 import threading
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from .experiment import Experiment
+    from .inspection import Inspection, Joint
     from .optimal_springs import Optimum
     from .run import Run
 
@@ -67,7 +69,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
     run = _command(commands, "run", _run, "simulate an experiment and write its run")
-    run.add_argument("experiment", metavar="NAME|PATH", help="a built-in name, or a TOML file")
+    _what(run)
     run.add_argument("--out", metavar="FOLDER", type=Path, help="where to write; runs/NAME")
     run.add_argument(
         "--interpret", action="store_true", help="run the law as plain Python, for a debugger"
@@ -75,8 +77,20 @@ def _parser() -> argparse.ArgumentParser:
     run.epilog = _KEYS
 
     optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
-    optimum.add_argument("experiment", metavar="NAME|PATH", help="a built-in name, or a TOML file")
+    _what(optimum)
     optimum.epilog = _KEYS
+
+    inspect = _command(
+        commands, "inspect", _inspect, "what is found in an arm, and a motion and gains for it"
+    )
+    inspect.add_argument("robot", metavar="MJCF", help="a path, a built-in name or menagerie:NAME")
+    inspect.add_argument("--tool", metavar="NAME", help="the site or body that follows the motion")
+    inspect.add_argument(
+        "--home", metavar="KEY|ANGLES", help="a keyframe, or joint angles as in --home=0.5,-1 [rad]"
+    )
+    inspect.add_argument(
+        "--toml", action="store_true", help="print an experiment file for it and nothing else"
+    )
 
     plot = _command(commands, "plot", _plot, "draw the figure of a run again")
     plot.add_argument("run", metavar="RUN", type=Path, help="a run's folder, such as runs/paper")
@@ -94,6 +108,16 @@ _KEYS = (
     "--law.k_v 200,300, --springs.stiffness=-inf,inf, --motion.0.period 0.5. "
     "`resonance-mj keys` lists them."
 )
+
+
+def _what(parser: argparse.ArgumentParser) -> None:
+    """What to simulate: an experiment, or a robot with everything else found."""
+    parser.add_argument(
+        "experiment", metavar="NAME|PATH", nargs="?", help="a built-in name, or a TOML file"
+    )
+    parser.add_argument(
+        "--robot", metavar="MJCF", help="an arm, in place of the experiment's or with none given"
+    )
 
 
 def _command(commands: Any, name: str, function: Callable[..., int], help_: str) -> _Parser:
@@ -134,9 +158,18 @@ def _value(text: str) -> Any:
 
 
 def _experiment(options: argparse.Namespace) -> Experiment:
-    from .experiment import load
+    from .experiment import for_robot, load
 
-    return load(options.experiment).replace(options.changes)
+    if options.experiment is None and options.robot is None:
+        raise ExperimentError(
+            "give the NAME or PATH of an experiment, or --robot MJCF; `resonance-mj list` has names"
+        )
+    if options.experiment is None:
+        return for_robot(options.robot).replace(options.changes)
+    changes = dict(options.changes)
+    if options.robot is not None:
+        changes["robot.mjcf"] = options.robot
+    return load(options.experiment).replace(changes)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -192,18 +225,51 @@ def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
         def show(done: int, _: int) -> None:
             bars.update(bar, completed=done, description=experiment.name)
 
-        return simulation.simulate(experiment, interpret=interpret, progress=show)
+        return simulation.simulate(
+            experiment,
+            interpret=interpret,
+            progress=show,
+            note=lambda line: console.print(f"  {line}", soft_wrap=True),
+        )
 
 
 def _optimum(options: argparse.Namespace) -> int:
 
     experiment = _experiment(options)
     from . import robot
-    from .optimal_springs import along, follow
+    from .optimal_springs import along, follow, resolved
 
     arm = robot.build(experiment)
+    experiment = resolved(experiment, arm)
     best = along(experiment, arm, follow(experiment, arm))
     _console().print(_optimum_table(experiment, arm.joints, best))
+    return DONE
+
+
+def _inspect(options: argparse.Namespace) -> int:
+    from .experiment import for_robot
+    from .inspection import inspect
+
+    changes: dict[str, Any] = {}
+    if options.tool is not None:
+        changes["robot.tool"] = options.tool
+    if options.home is not None:
+        home = _value(options.home)
+        changes["robot.home"] = [home] if isinstance(home, int | float) else home
+    found = inspect(for_robot(options.robot).replace(changes))
+    if options.toml:
+        print(found.to_toml(), end="")
+        return DONE
+    console = _console()
+    for kind, slides in (("hinge", False), ("slide", True)):
+        joints = [joint for joint in found.joints if joint.slides == slides]
+        if joints:
+            console.print(_joints_table(f"{found.experiment.name}: {kind} joints", joints))
+            console.print(_effort_table(f"{kind} joints along the suggested motion", joints))
+    console.print(_tools_table(found))
+    console.print(_suggestion_table(found))
+    for note in found.notes:
+        console.print(f"  {note}", soft_wrap=True)
     return DONE
 
 
@@ -222,19 +288,17 @@ def _list(options: argparse.Namespace) -> int:
     from rich.table import Table
 
     from . import library
-    from .experiment import load
 
-    table = Table(title="experiments", title_justify="left", box=None, padding=(0, 2, 0, 0))
-    for heading in ("name", "robot", "motions", "cycles", "law"):
-        table.add_column(heading, justify="right" if heading in ("motions", "cycles") else "left")
-    for name in library.experiments():
-        one = load(name)
-        cycles = sum(motion.cycles for motion in one.motion)
-        law = f"{one.law.kind}, J {one.law.jacobian}"
-        table.add_row(name, Path(one.robot.mjcf).name, str(len(one.motion)), str(cycles), law)
     console = _console()
-    console.print(table)
-    console.print(f"\nrobots: {', '.join(library.robots())} in {library.folder('mjcf')}")
+    for title, files in (("runs", library.experiments()), ("robots", library.robots())):
+        table = Table(title=title, title_justify="left", box=None, padding=(0, 2, 0, 0))
+        table.add_column("name", no_wrap=True)
+        table.add_column("what it is")
+        for name, path in files.items():
+            table.add_row(name, library.line(path))
+        console.print(table)
+        console.print()
+    console.print(f"robots are in {library.folder('mjcf')}, runs in {library.folder('runs')}")
     return DONE
 
 
@@ -278,11 +342,15 @@ def _summary_table(run: Run) -> Table:
     row("torque reduction [%]", "torque_reduction", 100, 1)
     row("mean torque² [N² m²]", "torque_squared", 1, 2)
     row("  without springs", "torque_squared_without_springs", 1, 2)
+    slides = run.data["slides"].values
     for joint, name in enumerate(run.data["joint"].values):
-        row(f"stiffness {name} [N m/rad]", "stiffness", 1, 3, joint)
+        unit = "N/m" if slides[joint] else "N m/rad"
+        row(f"stiffness {name} [{unit}]", "stiffness", 1, 3, joint)
     for joint, name in enumerate(run.data["joint"].values):
-        row(f"offset {name} [N m]", "offset", 1, 3, joint)
+        row(f"offset {name} [{'N' if slides[joint] else 'N m'}]", "offset", 1, 3, joint)
     row("tracking RMS [mm]", "tracking_rms", 1e3, 3)
+    if "rotation_rms" in run.data:
+        row("rotation RMS [mrad]", "rotation_rms", 1e3, 3)
     reached = [segment["cycles_to_optimum"] for segment in segments]
     cells = ((str(cycle or "never"), "") for cycle in reached)
     table.add_row("first cycle at the optimum", *(cell for pair in cells for cell in pair))
@@ -311,6 +379,103 @@ def _optimum_table(experiment: Experiment, joints: tuple[str, ...], best: list[O
     )
     table.add_row("torque reduction [%]", *(_number(b.torque_reduction, 100, 1) for b in best))
     return table
+
+
+def _joints_table(title: str, joints: list[Joint]) -> Table:
+    """Joints as they are in the MJCF; all are hinges, or all are slides."""
+    angle, torque, inertia = _units(joints)
+    table = _table(title, 0)
+    damping = f"{torque} s/{angle}"
+    for heading in (
+        f"home\n[{angle}]",
+        f"range\n[{angle}]",
+        f"damping\n[{damping}]",
+        f"inertia\n[{inertia}]",
+        f"motor limit\n[{torque}]",
+    ):
+        table.add_column(heading, justify="right")
+    for joint in joints:
+        table.add_row(
+            joint.name,
+            _number(joint.home, 1, 3),
+            _interval(joint.range),
+            _number(joint.damping, 1, 3),
+            _number(joint.inertia, 1, 4),
+            _interval(joint.torque_limit),
+        )
+    return table
+
+
+def _effort_table(title: str, joints: list[Joint]) -> Table:
+    """What a motion asks of joints, beside the limits of their motors."""
+    angle, torque, _ = _units(joints)
+    table = _table(title, 0)
+    for heading in (
+        f"peak speed\n[{angle}/s]",
+        f"peak torque\nwithout springs [{torque}]",
+        "of the limit\n[%]",
+        f"with the best\nsprings [{torque}]",
+    ):
+        table.add_column(heading, justify="right")
+    for joint in joints:
+        limited = any(map(math.isfinite, joint.torque_limit))
+        table.add_row(
+            joint.name,
+            _number(joint.peak_speed, 1, 3),
+            _number(joint.peak_torque, 1, 3),
+            _number(joint.share if limited else None, 100, 0),
+            _number(joint.peak_torque_with_springs, 1, 3),
+        )
+    return table
+
+
+def _tools_table(found: Inspection) -> Table:
+    table = _table("what could be the tool", 0)
+    for heading in ("kind", "on body", "chosen"):
+        table.add_column(heading)
+    for tool in found.tools:
+        chosen = found.tool_reason if tool == found.tool else ""
+        table.add_row(tool.name, tool.kind, tool.body, chosen)
+    return table
+
+
+def _suggestion_table(found: Inspection) -> Table:
+    motion, law, gains = found.experiment.motion[0], found.experiment.law, found.gains
+    least, most = found.conditioning.min(), found.conditioning.max()
+    table = _table("suggested motion and gains", 0)
+    table.add_column("")
+    table.show_header = False
+    for label, value in (
+        ("reach, stretched out [m]", _number(found.reach, 1, 3)),
+        ("task", ", ".join(found.axes)),
+        ("motion", f"{motion.shape} in {', '.join(dict.fromkeys(motion.plane or ()))}"),
+        ("  center [m]", _listed(motion.center)),
+        ("  half sizes [m]", _listed(motion.size)),
+        ("  period T [s]", f"{motion.period:g}"),
+        ("  smallest / largest singular value of J", f"{least:.3f} to {most:.3f}"),
+        ("  torque reduction with the best springs [%]", _number(found.torque_reduction, 100, 1)),
+        ("feedback bandwidth omega [1/s]", f"{gains.omega:g}"),
+        ("share eta that is learned in a cycle", f"{law.eta:g}"),
+        ("lead [control periods]", str(gains.lead)),
+        ("harmonics of 1/T that are learned", str(gains.harmonics or "all")),
+    ):
+        table.add_row(label, value)
+    return table
+
+
+def _units(joints: list[Joint]) -> tuple[str, str, str]:
+    """Units of angle, torque and inertia of hinges, or of what they are for slides."""
+    return ("m", "N", "kg") if joints[0].slides else ("rad", "N m", "kg m²")
+
+
+def _interval(ends: tuple[float, float] | None) -> str:
+    if ends is None or not any(map(math.isfinite, ends)):
+        return "none"
+    return f"{ends[0]:.4g} to {ends[1]:.4g}"
+
+
+def _listed(values: Sequence[float] | None) -> str:
+    return ", ".join(f"{value:.3f}" for value in values or ())
 
 
 def _table(title: str, motions: int) -> Table:

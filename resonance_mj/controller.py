@@ -5,11 +5,16 @@ current and the joint springs' torque of this step has been computed already: sp
 act from the next step on, which is explicit Euler for (6) and (7).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba.extending import register_jitable
 
 from . import equations, springs
 from .memory import Header, matrix, vector
+
+Command = Callable[..., None]
+"""Sets y and τ from (memory, n, m, qpos, qvel, u, y, tau)."""
 
 
 @register_jitable
@@ -23,63 +28,44 @@ def begins_step(memory: np.ndarray) -> bool:
 
 @register_jitable
 def act(
-    memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray, tool: np.ndarray, ctrl: np.ndarray
+    memory: np.ndarray,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    tool: np.ndarray,
+    orientation: np.ndarray,
+    ctrl: np.ndarray,
+    command: Command,
 ) -> None:
     """Measure the errors, set the motor torque (4), record the step, adapt the springs (6), (7).
 
     Args:
-        memory: the controller's block; its `jacobian` is the tool's, current (3, dofs).
+        memory: the controller's block; its `jacobian` is the tool's, current (6, dofs).
         qpos: mjData.qpos.
         qvel: mjData.qvel.
         tool: position of the tool (3,) [m].
+        orientation: of the tool (3, 3).
         ctrl: mjData.ctrl, written.
+        command: sets y and τ: `standard`, or a custom law's.
     """
     n = int(memory[Header.JOINTS])
     m = int(memory[Header.COORDINATES])
     step = int(memory[Header.STEP])
-    dofs = int(memory[Header.DOFS])
-    alpha = memory[Header.ALPHA]
+    columns = int(memory[Header.COLUMNS])
     qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
     dof_address = vector(memory, Header.DOF_ADDRESS, n)
     actuator_id = vector(memory, Header.ACTUATOR_ID, n)
-    coordinate = vector(memory, Header.COORDINATE, m)
-    jacobian = matrix(memory, Header.JACOBIAN, 3, dofs)
-    J = matrix(memory, Header.J, m, n)
-    error = vector(memory, Header.ERROR, m)
-    rate = vector(memory, Header.RATE, m)
-    s = vector(memory, Header.S, m)
     y = vector(memory, Header.Y, n)
     tau = vector(memory, Header.TAU, n)
     q_c = vector(memory, Header.Q_C, n)
     k = vector(memory, Header.STIFFNESS, n)
     offset = vector(memory, Header.OFFSET, n)
-
     x_desired = vector(memory, Header.X_DESIRED, (step + 1) * m)[step * m :]
-    dx_desired = vector(memory, Header.DX_DESIRED, (step + 1) * m)[step * m :]
     u = vector(memory, Header.LEARNED, (step + 1) * n)[step * n :]
-    for i in range(m):
-        axis = int(coordinate[i])
-        error[i] = tool[axis] - x_desired[i]
-        rate[i] = -dx_desired[i]
-        for j in range(n):
-            dof = int(dof_address[j])
-            J[i, j] = jacobian[axis, dof]
-            rate[i] += J[i, j] * qvel[dof]
+    row = vector(memory, Header.RECORD, (step + 1) * columns)[step * columns :]
 
-    equations.saturation(error, s)
-    if memory[Header.TRANSPOSE] == 1.0:
-        equations.error_transpose(J, rate, alpha, s, y)
-    else:
-        equations.error_inverse(J, rate, alpha, s, matrix(memory, Header.WORK, n, n), y)
-    equations.motor_torque(
-        J,
-        vector(memory, Header.K_V, m),
-        vector(memory, Header.K_P, m),
-        rate,
-        s,
-        u,
-        tau,
-    )
+    measure(memory, n, m, step, qvel, tool, orientation, x_desired, row[2 * n :])
+    command(memory, n, m, qpos, qvel, u, y, tau)
+    limit(memory, n, tau)
 
     torque_limit = vector(memory, Header.TORQUE_LIMIT, n)
     for j in range(n):
@@ -94,8 +80,6 @@ def act(
             memory[Header.FAILED_JOINT] = j
             return
 
-    columns = int(memory[Header.COLUMNS])
-    row = vector(memory, Header.RECORD, (step + 1) * columns)[step * columns :]
     for j in range(n):
         q = qpos[int(qpos_address[j])]
         row[j] = q
@@ -107,8 +91,98 @@ def act(
         row[6 * n + m + j] = offset[j]
         ctrl[int(actuator_id[j])] = tau[j]
         adapt(memory, n, j, q, q_c[j], y[j], k, offset)
+
+
+@register_jitable
+def measure(
+    memory: np.ndarray,
+    n: int,
+    m: int,
+    step: int,
+    qvel: np.ndarray,
+    tool: np.ndarray,
+    orientation: np.ndarray,
+    x_desired: np.ndarray,
+    x: np.ndarray,
+) -> None:
+    """Task Jacobian, position (to `x`), position error and rate of the tool, into the memory."""
+    dof_address = vector(memory, Header.DOF_ADDRESS, n)
+    coordinate = vector(memory, Header.COORDINATE, m)
+    jacobian = matrix(memory, Header.JACOBIAN, 6, int(memory[Header.DOFS]))
+    J = matrix(memory, Header.J, m, n)
+    error = vector(memory, Header.ERROR, m)
+    rate = vector(memory, Header.RATE, m)
+    dx_desired = vector(memory, Header.DX_DESIRED, (step + 1) * m)[step * m :]
     for i in range(m):
-        row[2 * n + i] = tool[int(coordinate[i])]
+        axis = int(coordinate[i])
+        if axis < 3:
+            x[i] = tool[axis]
+            error[i] = tool[axis] - x_desired[i]
+        rate[i] = -dx_desired[i]
+        for j in range(n):
+            dof = int(dof_address[j])
+            J[i, j] = jacobian[axis, dof]
+            rate[i] += J[i, j] * qvel[dof]
+    if memory[Header.ROTATES] == 1.0:
+        home = matrix(memory, Header.ORIENTATION, 3, 3)
+        desired = matrix(memory, Header.DESIRED, 3, 3)
+        equations.rotation(x_desired[m - 3 :], home, desired)
+        equations.rotation_vector(orientation, desired, error[m - 3 :])
+        equations.rotation_vector(orientation, home, x[m - 3 :])
+
+
+@register_jitable
+def standard(
+    memory: np.ndarray,
+    n: int,
+    m: int,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    u: np.ndarray,
+    y: np.ndarray,
+    tau: np.ndarray,
+) -> None:
+    """Error signal y (8) and motor torque τ (4)."""
+    alpha = memory[Header.ALPHA]
+    form = memory[Header.FORM]
+    J = matrix(memory, Header.J, m, n)
+    error = vector(memory, Header.ERROR, m)
+    rate = vector(memory, Header.RATE, m)
+    s = vector(memory, Header.S, m)
+    more = int(memory[Header.MORE])
+    work = matrix(memory, Header.WORK, more, more)
+    equations.saturation(error, s)
+    if form == 0.0:
+        equations.error_inverse(J, rate, alpha, s, work, y)
+    elif form == 1.0:
+        equations.error_transpose(J, rate, alpha, s, y)
+    else:
+        drift = vector(memory, Header.DRIFT, n)
+        posture = vector(memory, Header.POSTURE, n)
+        qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
+        dof_address = vector(memory, Header.DOF_ADDRESS, n)
+        for j in range(n):
+            away = qpos[int(qpos_address[j])] - posture[j]
+            drift[j] = qvel[int(dof_address[j])] + memory[Header.ALPHA_0] * away
+        equations.error_damped(J, rate, alpha, s, drift, memory[Header.USUAL], work, y)
+    equations.motor_torque(
+        J, vector(memory, Header.K_V, m), vector(memory, Header.K_P, m), rate, s, u, tau
+    )
+    if memory[Header.INERTIAL] == 1.0:
+        equations.inertial_feedback(matrix(memory, Header.FEEDBACK, n, n), y, tau)
+
+
+@register_jitable
+def limit(memory: np.ndarray, n: int, tau: np.ndarray) -> None:
+    """Keep the torque within the motors' limits."""
+    tau_min = vector(memory, Header.TAU_MIN, n)
+    tau_max = vector(memory, Header.TAU_MAX, n)
+    for j in range(n):
+        # What is not a number stays so, for the check that follows.
+        if tau[j] < tau_min[j]:
+            tau[j] = tau_min[j]
+        elif tau[j] > tau_max[j]:
+            tau[j] = tau_max[j]
 
 
 @register_jitable

@@ -148,3 +148,140 @@ def error_transpose(
         out[j] = 0.0
         for i in range(s.size):
             out[j] += J[i, j] * (rate[i] + alpha * s[i])
+
+
+@register_jitable
+def error_damped(
+    J: np.ndarray,
+    rate: np.ndarray,
+    alpha: float,
+    s: np.ndarray,
+    drift: np.ndarray,
+    usual: float,
+    work: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Error signal y = J⁺ (Δẋ + α s(Δx)) + (I - J⁺J) p for m <= n: (8) for any robot.
+
+    J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, where λ is negligible at usual poses and grows to a tenth of J's size
+    as its manipulability sqrt(det J Jᵀ) falls to 0. p is the drift of the posture, which
+    motion of the joints that does not move the tool takes back.
+
+    Args:
+        J: task Jacobian (m, n).
+        rate: Δẋ (m,) [m/s, rad/s].
+        alpha: weight of the position error [1/s].
+        s: s(Δx) (m,) [m, rad].
+        drift: p = q̇ + α₀ (q - q_home) (n,) [rad/s].
+        usual: manipulability below which the damping grows.
+        work: scratch (m + 1, m).
+        out: receives y (n,) [rad/s].
+    """
+    m, n = s.size, out.size
+    trace = 0.0
+    for i in range(m):
+        work[m, i] = rate[i] + alpha * s[i]
+        for j in range(n):
+            work[m, i] -= J[i, j] * drift[j]
+        for k in range(i + 1):
+            work[i, k] = 0.0
+            for j in range(n):
+                work[i, k] += J[i, j] * J[k, j]
+        trace += work[i, i]
+    scale = trace / m
+    manipulability = _factorise(work, m, 1e-10 * scale)
+    if manipulability < usual:
+        for i in range(m):
+            for k in range(i + 1):
+                work[i, k] = 0.0
+                for j in range(n):
+                    work[i, k] += J[i, j] * J[k, j]
+        lack = 1.0 - manipulability / usual
+        _factorise(work, m, (1e-10 + 1e-2 * lack * lack) * scale)
+    for i in range(m):
+        for k in range(i):
+            work[m, i] -= work[i, k] * work[m, k]
+        work[m, i] /= work[i, i]
+    for i in range(m - 1, -1, -1):
+        for k in range(i + 1, m):
+            work[m, i] -= work[k, i] * work[m, k]
+        work[m, i] /= work[i, i]
+    for j in range(n):
+        out[j] = drift[j]
+        for i in range(m):
+            out[j] += J[i, j] * work[m, i]
+
+
+@register_jitable
+def _factorise(A: np.ndarray, m: int, damping: float) -> float:
+    """Cholesky factor of A + damping I in A's lower half (m, m); the root of its determinant."""
+    root = 1.0
+    for i in range(m):
+        A[i, i] += damping
+        for k in range(i + 1):
+            for h in range(k):
+                A[i, k] -= A[i, h] * A[k, h]
+            if k < i:
+                A[i, k] /= A[k, k]
+        A[i, i] = math.sqrt(max(A[i, i], damping))
+        root *= A[i, i]
+    return root
+
+
+@register_jitable
+def inertial_feedback(G: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
+    """Add the feedback -G y to a torque; G = ω M̂ makes it -ω M̂ y, the same for any robot.
+
+    Args:
+        G: joint-space gain (n, n) [N m s/rad].
+        y: error signal (8) (n,) [rad/s].
+        out: torque, changed in place (n,) [N m].
+    """
+    for i in range(out.size):
+        for j in range(out.size):
+            out[i] -= G[i, j] * y[j]
+
+
+@register_jitable
+def rotation(r: np.ndarray, home: np.ndarray, out: np.ndarray) -> None:
+    """Orientation exp(r) R_home of a rotation vector.
+
+    Args:
+        r: rotation vector in the world frame (3,) [rad].
+        home: R_home (3, 3).
+        out: receives the orientation (3, 3).
+    """
+    x, y, z = r[0], r[1], r[2]
+    squared = x * x + y * y + z * z
+    angle = math.sqrt(squared)
+    sinc, cosc = 1.0 - squared / 6.0, 0.5 - squared / 24.0
+    if angle > 1e-4:
+        sinc, cosc = math.sin(angle) / angle, (1.0 - math.cos(angle)) / squared
+    for j in range(3):
+        a, b, c = home[0, j], home[1, j], home[2, j]
+        dot = x * a + y * b + z * c
+        cos = 1.0 - cosc * squared
+        out[0, j] = cos * a + sinc * (y * c - z * b) + cosc * dot * x
+        out[1, j] = cos * b + sinc * (z * a - x * c) + cosc * dot * y
+        out[2, j] = cos * c + sinc * (x * b - y * a) + cosc * dot * z
+
+
+@register_jitable
+def rotation_vector(R: np.ndarray, S: np.ndarray, out: np.ndarray) -> None:
+    """Rotation vector in the world frame that takes the orientation S to R: log(R Sᵀ).
+
+    Args:
+        R: orientation (3, 3).
+        S: orientation (3, 3).
+        out: receives the rotation vector (3,) [rad], its angle at most π.
+    """
+    x = y = z = trace = 0.0
+    for j in range(3):
+        x += R[2, j] * S[1, j] - R[1, j] * S[2, j]
+        y += R[0, j] * S[2, j] - R[2, j] * S[0, j]
+        z += R[1, j] * S[0, j] - R[0, j] * S[1, j]
+        trace += R[0, j] * S[0, j] + R[1, j] * S[1, j] + R[2, j] * S[2, j]
+    sin = 0.5 * math.sqrt(x * x + y * y + z * z)
+    angle = math.atan2(sin, 0.5 * (trace - 1.0))
+    factor = 0.5 if sin < 1e-9 else 0.5 * angle / sin
+    out[0], out[1], out[2] = factor * x, factor * y, factor * z

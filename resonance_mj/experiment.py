@@ -33,17 +33,22 @@ class Robot(_Model):
 
     mjcf: str
     """A path, or the name of a file in mjcf/."""
-    tool: str = "tool"
-    """The site that follows the motion."""
-    home: str | tuple[Finite, ...] = "home"
-    """Joint angles at the start, at rest [rad], or the name of a keyframe."""
+    tool: str | None = None
+    """The site or body that follows the motion; found if not given."""
+    home: str | tuple[Finite, ...] | None = None
+    """Joint angles at the start, at rest [rad], or a keyframe's name; found if not given."""
+    contacts: bool = True
+    """Whether bodies collide."""
+    limits: bool = True
+    """Whether joints stop at the ends of their range."""
 
 
 class Task(_Model):
     """What of the tool's pose is controlled."""
 
-    coordinates: Annotated[tuple[Literal["x", "y", "z"], ...], Field(min_length=1)] = ("x", "z")
-    """Coordinates of the tool in the world frame."""
+    coordinates: tuple[Literal["x", "y", "z", "rotation"], ...] | None = None
+    """Of the tool in the world frame: any of x, y, z, and rotation; the positions that the arm
+    controls if not given."""
 
     @field_validator("coordinates", mode="before")
     @classmethod
@@ -52,10 +57,15 @@ class Task(_Model):
 
     @field_validator("coordinates")
     @classmethod
-    def _distinct(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+    def _distinct(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if value is None:
+            return value
         if len(set(value)) != len(value):
             raise ValueError("each coordinate may be named once")
-        return value
+        if not value or value == ("rotation",):
+            raise ValueError("at least one of x, y and z is needed")
+        # Rotation is always the last, so that a motion's position comes first.
+        return tuple(sorted(value, key=lambda name: name == "rotation"))
 
 
 class Simulation(_Model):
@@ -87,31 +97,88 @@ class Simulation(_Model):
 
 
 class Motion(_Model):
-    """A periodic motion of the tool: offset + sum over harmonics h of sin and cos of 2 pi h t/T."""
+    """A periodic motion of the tool."""
 
-    duration: Positive
+    duration: Positive = 20.0
     """How long the motion is repeated [s]: a whole number of periods."""
     period: Positive = 1.0
     """Cycle time T [s]: a whole number of time steps."""
-    shape: Literal["fourier"] = "fourier"
-    """Offset plus harmonics."""
-    offset: Annotated[tuple[Finite, ...], Field(min_length=1)]
-    """Mean position [m], one per coordinate."""
+    shape: Literal["ellipse", "line", "eight", "polygon", "fourier", "csv"] = "ellipse"
+    """ellipse, line, eight, polygon: with rounded corners, fourier: an offset plus harmonics, or
+    csv: a smooth closed curve through waypoints."""
+    frame: Literal["world", "base", "tool"] = "world"
+    """Whose axes and origin the motion's positions are given in: world, base: of the body that
+    carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
+    blend: Annotated[int, Field(ge=0)] = 1
+    """Cycles in which the arm passes over into this motion, without learning; 0 for a jump."""
+    center: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
+    """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
+    is at home if not given."""
+    size: tuple[Finite, Finite] | None = None
+    """Half of the shape's two sizes in its plane [m], for a polygon the half axes of the ellipse
+    through its corners; the largest that the arm follows with margin if not given."""
+    plane: tuple[Literal["x", "y", "z"], Literal["x", "y", "z"]] | None = None
+    """The two coordinates in which an ellipse, line, eight or polygon lies; the first and the last
+    of the task's positions if not given."""
+    corners: Annotated[int, Field(ge=3)] | None = None
+    """Number of corners of a polygon, the first on the plane's first coordinate; 4 if not given."""
+    rounding: Annotated[float, Field(gt=0, le=1)] | None = None
+    """Share of a polygon's sides that its rounded corners take, up to 1; 0.5 if not given."""
+    offset: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
+    """Mean of a fourier motion [m], one per coordinate."""
     sin: tuple[tuple[Finite, ...], ...] = ()
     """Amplitudes of the sines [m]: a row per coordinate, a column per harmonic."""
     cos: tuple[tuple[Finite, ...], ...] = ()
     """Amplitudes of the cosines [m]: a row per coordinate, a column per harmonic."""
+    file: str | None = None
+    """Path of a csv motion's waypoints, absolute or from the experiment's folder: a column per
+    coordinate [m, rad], in order or named in a header; t [s] or phase [cycles] if not equally
+    spaced."""
+    rotation_sin: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the sines of the tool's rotation vector from its orientation at home [rad]: a
+    row each for rx, ry and rz, a column per harmonic; with any shape."""
+    rotation_cos: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the cosines of the rotation vector [rad], as rotation_sin."""
 
     @model_validator(mode="after")
-    def _one_row_per_coordinate(self) -> Motion:
-        for name, rows in (("sin", self.sin), ("cos", self.cos)):
-            if rows and len(rows) != len(self.offset):
+    def _fits_its_shape(self) -> Motion:
+        own = _KEYS_OF_SHAPE[self.shape]
+        every = dict.fromkeys(key for keys in _KEYS_OF_SHAPE.values() for key in keys)
+        wrong = [key for key in every if key not in own and getattr(self, key) not in (None, ())]
+        if wrong:
+            shapes = [shape for shape, keys in _KEYS_OF_SHAPE.items() if wrong[0] in keys]
+            raise ValueError(
+                f"a motion of shape {self.shape!r} takes {_listed(own)}, not {_listed(wrong)}; "
+                f"{wrong[0]} belongs to shape {' or '.join(map(repr, shapes))}"
+            )
+        if self.shape == "fourier" and self.offset is None:
+            raise ValueError(
+                "a motion of shape 'fourier' needs offset: its mean [m], a number per coordinate"
+            )
+        if self.shape == "csv" and not self.file:
+            raise ValueError(
+                "a motion of shape 'csv' needs file: the path of a CSV of waypoints, a row each"
+            )
+        for name, rows in (
+            ("rotation_sin", self.rotation_sin),
+            ("rotation_cos", self.rotation_cos),
+        ):
+            if rows and len(rows) != 3:
                 raise ValueError(
-                    f"{name} has {len(rows)} rows and offset has {len(self.offset)} numbers: "
+                    f"{name} has {len(rows)} rows; 3 are needed, one each for rx, ry and rz"
+                )
+        for name, rows in (("sin", self.sin), ("cos", self.cos)):
+            if rows and len(rows) != len(self.offset or ()):
+                raise ValueError(
+                    f"{name} has {len(rows)} rows and offset has {len(self.offset or ())} numbers: "
                     "both need one per coordinate"
                 )
+        if self.blend >= self.cycles:
+            raise ValueError(
+                f"blend = {self.blend} leaves no cycle of the {self.cycles} that the motion has"
+            )
         cycles = self.duration / self.period
-        if round(cycles) < 1 or abs(cycles - round(cycles)) > 1e-9 * cycles:
+        if abs(cycles - round(cycles)) > 1e-9 * cycles:
             whole = max(1, round(cycles))
             raise ValueError(
                 f"duration {self.duration:g} s is {cycles:.6g} periods of {self.period:g} s; "
@@ -122,38 +189,71 @@ class Motion(_Model):
     @property
     def cycles(self) -> int:
         """Number of cycles in the duration."""
-        return round(self.duration / self.period)
+        return max(1, round(self.duration / self.period))
 
     def steps(self, timestep: float) -> int:
         """Number of time steps of `timestep` [s] in a cycle."""
         return round(self.period / timestep)
 
 
-class Law(_Model):
-    """The controller (4)-(10) and its gains, by the paper's symbols."""
+_IN_PLANE = ("center", "size", "plane")
+_KEYS_OF_SHAPE: dict[str, tuple[str, ...]] = {
+    "ellipse": _IN_PLANE,
+    "line": _IN_PLANE,
+    "eight": _IN_PLANE,
+    "polygon": (*_IN_PLANE, "corners", "rounding"),
+    "fourier": ("offset", "sin", "cos"),
+    "csv": ("file",),
+}
+"""What each shape is described by, besides the keys that every motion has."""
 
-    kind: Literal["paper"] = "paper"
-    """(4)-(10) as printed."""
-    jacobian: Literal["inverse", "transpose"] = "inverse"
-    """J^-1 or J^T in (8)."""
-    k_v: Gains = 200.0
-    """Velocity feedback K_v [N s/m], one for all coordinates or one each."""
-    k_p: Gains = 2000.0
+
+class Law(_Model):
+    """The controller and its gains, by the paper's symbols."""
+
+    kind: str = "transfer"
+    """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); or the
+    path of a Python file with a law of your own."""
+    parameters: Vector = ()
+    """Numbers for a law of your own."""
+    jacobian: Literal["damped", "inverse", "transpose"] | None = None
+    """In (8): J^-1, J^T, or the damped pseudo-inverse with the posture in its null space."""
+    k_v: Gains | None = None
+    """Velocity feedback K_v [N s/m], one for all coordinates or one each; if neither k_v nor k_p is
+    given, the feedback is -omega M y with the inertia M at home."""
+    k_p: Gains | None = None
     """Position feedback K_p [N/m], one for all coordinates or one each."""
+    omega: Gain | None = None
+    """Bandwidth of the inertial feedback [1/s]; found from the time step if not given."""
     alpha: Gain = 10.0
     """Weight of the position error in (8) [1/s]."""
-    beta: Gain = 1.0
-    """Learning gain of (9) [N m s/rad]."""
-    gamma_k: Gains = 50.0
+    alpha_0: Gain = 10.0
+    """Weight of the posture's error in the null space [1/s]."""
+    beta: Gain | None = None
+    """Learning gain of (9) [N m s/rad]; if not given, eta times the feedback's own torque."""
+    eta: Gain = 0.5
+    """Share of the feedback's torque that is learned in a cycle, where beta is not given."""
+    gamma_k: Gains = 0.0
     """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each."""
-    gamma_qe: Gains = 150.0
+    gamma_qe: Gains = 0.0
     """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each."""
     q_c: Angles = "mean"
     """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion."""
     q_s: Angles = "mean"
     """Centre of the learning's regressor (9), (10) [rad]; "mean" as for q_c."""
-    lead: Annotated[int, Field(ge=0)] = 0
-    """How far ahead in the stored cycle (9) reads y [control periods]; 0 as printed."""
+    lead: Annotated[int, Field(ge=0)] | None = None
+    """How far ahead in the stored cycle learning reads y [control periods]; 0 for the law as
+    printed and 1 else if not given."""
+    harmonics: Annotated[int, Field(ge=1)] | None = None
+    """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
+    given."""
+
+    @field_validator("kind")
+    @classmethod
+    def _known_or_a_file(cls, value: str) -> str:
+        if value in ("transfer", "paper") or value.endswith(".py"):
+            return value
+        raise ValueError("valid are 'transfer', 'paper', or the path of a Python file, NAME.py")
 
 
 class Springs(_Model):
@@ -201,19 +301,13 @@ class Experiment(_Model):
     robot: Robot
     task: Task = Task()
     simulation: Simulation = Simulation()
-    motion: Annotated[tuple[Motion, ...], Field(min_length=1)]
+    motion: Annotated[tuple[Motion, ...], Field(min_length=1)] = (Motion(),)
     law: Law = Law()
     springs: Springs = Springs()
 
     @model_validator(mode="after")
     def _whole_time_steps(self) -> Experiment:
-        coordinates = self.task.coordinates
         for index, motion in enumerate(self.motion):
-            if len(motion.offset) != len(coordinates):
-                raise ValueError(
-                    f"motion.{index}.offset has {len(motion.offset)} numbers; task.coordinates "
-                    f"= {list(coordinates)} needs {len(coordinates)}"
-                )
             dt = self.simulation.timestep
             steps = motion.period / dt
             if round(steps) < 2 or abs(steps - round(steps)) > 1e-9 * steps:
@@ -223,7 +317,7 @@ class Experiment(_Model):
                     f"{dt:g} s; a whole number of at least 2 is needed, for example a period of "
                     f"{whole * dt:.9g} s or a time step of {motion.period / whole:.9g} s"
                 )
-            if self.law.lead >= round(steps):
+            if self.law.lead is not None and self.law.lead >= round(steps):
                 raise ValueError(
                     f"law.lead = {self.law.lead} is not shorter than the {round(steps)} time "
                     f"steps of a cycle of motion.{index}"
@@ -273,13 +367,32 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         raise ExperimentError(f"{path}: cannot be read: {error}") from None
     except tomllib.TOMLDecodeError as error:
         raise ExperimentError(f"{path}: not valid TOML: {error}") from None
-    robot = values.get("robot")
-    if isinstance(robot, dict) and isinstance(robot.get("mjcf"), str):
-        beside = path.parent / robot["mjcf"]
-        if beside.is_file():
-            robot["mjcf"] = str(beside.resolve())
+    tables = [(values.get("robot"), "mjcf"), (values.get("law"), "kind")]
+    motions = values.get("motion")
+    tables += [(motion, "file") for motion in (motions if isinstance(motions, list) else ())]
+    for table, key in tables:
+        # A file that is named in an experiment is looked for beside it first.
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            beside = path.parent / table[key]
+            if beside.is_file():
+                table[key] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return _validate(values, str(path))
+
+
+def for_robot(mjcf: str) -> Experiment:
+    """An experiment for an arm, with everything else found.
+
+    Args:
+        mjcf: path, or name in mjcf/; the experiment takes its name from it.
+    """
+    path = Path(mjcf)
+    stem = path.parent.name if path.stem in ("robot", "scene", "model") else path.stem
+    name = "".join(
+        letter if (letter.isascii() and letter.isalnum()) or letter in "._-" else "-"
+        for letter in stem
+    )
+    return _validate({"name": name.strip("._-") or "arm", "robot": {"mjcf": mjcf}}, mjcf)
 
 
 def describe() -> list[tuple[str, str, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 import matplotlib
@@ -74,17 +75,31 @@ def save(drawn: Figure, folder: Path, name: str = "figure") -> list[Path]:
 
 
 def _draw(run: Run) -> Figure:
+    """Two joints side by side as in the paper; more of them a row each."""
     data = run.data
-    axes, joints = data["axis"].values, data["joint"].values
-    columns = max(len(axes), len(joints))
-    width, height = 4.6 * columns, 11.0
+    axes, joints = list(data["axis"].values), list(data["joint"].values)
+    if len(joints) <= 2:
+        columns = max(len(axes), len(joints))
+        places = {("x", i): (0, i) for i in range(len(axes))}
+        for row, name in enumerate(("stiffness", "offset", "tau"), start=1):
+            places |= {(name, j): (row, j) for j in range(len(joints))}
+        heights = [1.0, 0.8, 0.8, 1.0]
+    else:
+        columns = 3
+        above = -(-len(axes) // columns)
+        places = {("x", i): divmod(i, columns) for i in range(len(axes))}
+        for column, name in enumerate(("stiffness", "offset", "tau")):
+            places |= {(name, j): (above + j, column) for j in range(len(joints))}
+        heights = [1.0] * above + [0.75] * len(joints)
+    heights.append(1.1)
+    width, height = 4.6 * columns, 2.3 * sum(heights)
     fig = Figure(figsize=(width, height))
     # Fixed margins in inches: laying out by measuring every text takes longer than the simulation.
     grid = GridSpec(
-        5,
+        len(heights),
         columns,
         figure=fig,
-        height_ratios=[1, 0.8, 0.8, 1, 1.1],
+        height_ratios=heights,
         left=0.5 / width,
         right=1 - 0.15 / width,
         bottom=0.5 / height,
@@ -92,47 +107,61 @@ def _draw(run: Run) -> Figure:
         hspace=0.42,
         wspace=0.16,
     )
-    letters = iter("abcdefghijklmnopqrstuvwxyz" * 2)
     windows = _Windows(data)
-    for column, axis in enumerate(axes):
-        ax = fig.add_subplot(grid[0, column])
-        ax.set_title(f"({next(letters)}) tool position {axis} [m]")
-        windows.plot(ax, data, data["x"].sel(axis=axis), MEASURED, "-", "measured")
-        windows.plot(ax, data, data["x_desired"].sel(axis=axis), DESIRED, "--", "desired")
-        windows.label(ax)
+    for letter, ((name, index), (row, column)) in zip(_letters(), places.items(), strict=False):
+        ax = fig.add_subplot(grid[row, column])
+        of = axes[index] if name == "x" else joints[index]
+        title = f"({letter}) {TITLES[name].format(of)}"
+        if name != "x" and data["slides"].values[index]:
+            title = title.replace("N m/rad", "N/m").replace("N m", "N")
+        ax.set_title(title)
+        if name == "x":
+            if of.startswith("r"):
+                ax.set_title(
+                    title.replace("tool position", "tool rotation").replace("[m]", "[rad]")
+                )
+            one = data.sel(axis=of)
+            windows.plot(ax, data, one["x"], MEASURED, "-", "measured")
+            windows.plot(ax, data, one["x_desired"], DESIRED, "--", "desired")
+            windows.label(ax)
+        elif name == "tau":
+            one = data.sel(joint=of)
+            windows.plot(ax, data, one["tau"], MEASURED, "-", "measured")
+            windows.plot(ax, data, one["tau_optimal"], OPTIMAL, "--", "optimal")
+            windows.label(ax)
+            _steady_limits(ax, data, one["tau"].values, one["tau_optimal"].values)
+        else:
+            _against_optimum(ax, data.sel(joint=of), name)
         _legend(ax)
-    for row, name, words in (
-        (1, "stiffness", "stiffness k of {} [N m/rad]"),
-        (2, "offset", "offset torque q̄ₑ of {} [N m]"),
-    ):
-        for column, joint in enumerate(joints):
-            ax = fig.add_subplot(grid[row, column])
-            ax.set_title(f"({next(letters)}) {words.format(joint)}")
-            _against_optimum(ax, data.sel(joint=joint), name)
-    for column, joint in enumerate(joints):
-        ax = fig.add_subplot(grid[3, column])
-        ax.set_title(f"({next(letters)}) motor torque τ of {joint} [N m]")
-        tau, best = data["tau"].sel(joint=joint), data["tau_optimal"].sel(joint=joint)
-        windows.plot(ax, data, tau, MEASURED, "-", "measured")
-        windows.plot(ax, data, best, OPTIMAL, "--", "optimal")
-        windows.label(ax)
-        _steady_limits(ax, data, tau.values, best.values)
-        _legend(ax)
-    ax = fig.add_subplot(grid[4, :])
-    ax.set_title(f"({next(letters)}) mean of τᵀτ per cycle [N² m²]")
+    ax = fig.add_subplot(grid[-1, :])
+    ax.set_title("mean of τᵀτ per cycle [N² m²]")
     _torque_squared(ax, data)
-    fig.suptitle(
-        _heading(run), x=0.5 / width, y=1 - 0.18 / height, ha="left", va="top", fontsize=10
-    )
+    heading = _heading(run)
+    fig.suptitle(heading, x=0.5 / width, y=1 - 0.18 / height, ha="left", va="top", fontsize=10)
     return fig
+
+
+TITLES = {
+    "x": "tool position {} [m]",
+    "stiffness": "stiffness k of {} [N m/rad]",
+    "offset": "offset torque q̄ₑ of {} [N m]",
+    "tau": "motor torque τ of {} [N m]",
+}
+
+
+def _letters() -> Iterator[str]:
+    for first in ("", *ascii_lowercase):
+        for second in ascii_lowercase:
+            yield first + second
 
 
 def _heading(run: Run) -> str:
     law, motions = run.experiment.law, run.experiment.motion
     periods = ", ".join(f"{motion.cycles} × {motion.period:g} s" for motion in motions)
+    form = f" (J {law.jacobian})" if law.jacobian else ""
     return (
-        f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, law {law.kind} "
-        f"(J {law.jacobian}), cycles {periods}; {run.status}"
+        f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, law {law.kind}{form}, "
+        f"cycles {periods}; {run.status}"
     )
 
 
@@ -236,7 +265,6 @@ def _against_optimum(ax: Axes, data: xr.Dataset, name: str) -> None:
     ax.hlines(optimal, starts, ends, color=OPTIMAL, linestyle="--", label="optimal")
     ax.set_xlim(0, ends[-1])
     ax.set_xlabel("time [s]", labelpad=1)
-    _legend(ax)
 
 
 def _torque_squared(ax: Axes, data: xr.Dataset) -> None:

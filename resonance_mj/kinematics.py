@@ -8,6 +8,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from . import equations
 from .errors import MotionError
 from .motion import Samples
 from .robot import Robot
@@ -39,12 +40,15 @@ class Kinematics:
         self._model.jnt_stiffness[robot.joint_id] = 0.0
         self._data = mujoco.MjData(self._model)
         self._data.qpos[:] = robot.qpos
-        self._full = np.zeros((3, self._model.nv))
+        self._full = np.zeros((6, self._model.nv))
         self._of_task = np.ix_(robot.coordinate, robot.dof_address)
         self._body = int(robot.model.site_bodyid[robot.site])
 
     def position(self, q: np.ndarray) -> np.ndarray:
-        """Tool position x = f(q) (m,) [m] at joint angles q (n,) [rad]."""
+        """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad].
+
+        Rotation is a rotation vector from the orientation at home, in the world frame.
+        """
         self._place(q)
         return self._x()
 
@@ -53,13 +57,22 @@ class Kinematics:
         self._place(q)
         return self._J()
 
+    def inertia(self, q: np.ndarray) -> np.ndarray:
+        """Inertia matrix of the joints (n, n) [kg m^2] at joint angles q (n,) [rad]."""
+        data, dofs = self._data, self.robot.dof_address
+        self._place(q)
+        mujoco.mj_crb(self._model, data)
+        full = np.zeros((self._model.nv, self._model.nv))
+        mujoco.mj_fullM(self._model, data, full)
+        return full[np.ix_(dofs, dofs)]
+
     def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
         """Joint angles near `q` whose tool position is nearest to `x`, by damped Newton steps.
 
         The damping grows while a step does not come closer, so that the branch of `q` is kept.
 
         Args:
-            x: position (m,) [m].
+            x: position (m,) [m, rad].
             q: joint angles to start from (n,) [rad].
             iterations: most steps; without convergence the nearest angles found are returned.
         """
@@ -80,18 +93,47 @@ class Kinematics:
                     break
         return q
 
-    def follow(self, samples: Samples, start: np.ndarray, period: float, name: str) -> JointMotion:
+    def follow(
+        self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float = 10.0
+    ) -> JointMotion:
         """Joint motion of a task-space motion, on the branch of `start`.
+
+        Where the task leaves joints free, they drift towards the home pose as the law has them,
+        and the second of two cycles is returned.
 
         Args:
             samples: the motion.
             start: joint angles near which the branch is looked for (n,) [rad].
-            period: cycle time [s], for messages.
+            period: cycle time [s].
             name: how messages call the motion.
+            alpha_0: rate at which the posture is taken back [1/s].
 
         Raises:
             MotionError: the motion leaves the arm's reach or passes through a singular pose.
         """
+        steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
+        if m < n:
+            start = self._cycle(samples, start, period, name, alpha_0)[0][-1]
+        q, J = self._cycle(samples, start, period, name, alpha_0)
+        jump = np.abs(self.solve(samples.x[0], q[-1]) - q[0]).max()
+        if jump > (1e-6 if m == n else 0.1):
+            raise MotionError(
+                f"{name}: the joints do not return to where they began: after one cycle they are "
+                f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
+            )
+        if m == n:
+            dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
+            drift = np.array([self._J_dot(q[i], dq[i]) @ dq[i] for i in range(steps)])
+            ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
+        else:
+            dq = _periodic_rate(q, period)
+            ddq = _periodic_rate(dq, period)
+        return JointMotion(q, dq, ddq)
+
+    def _cycle(
+        self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Joint angles (N, n) and Jacobians (N, m, n) along one cycle."""
         steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
         q, J = np.empty((steps, n)), np.empty((steps, m, n))
 
@@ -102,15 +144,17 @@ class Kinematics:
         guess = self._unfolded(samples.x[0], start)
         for i in range(steps):
             q[i] = self.solve(samples.x[i], guess)
-            self._place(q[i])
-            away = np.linalg.norm(self._x() - samples.x[i])
+            error, J[i] = self._error(q[i], samples.x[i])
+            away = np.linalg.norm(error)
             if away > 1e3 * TOLERANCE:
                 raise MotionError(
                     f"{name}: out of the arm's reach {where(i)}: the tool comes no nearer than "
                     f"{away * 1e3:.1f} mm; move or shrink the motion"
                 )
-            J[i] = self._J()
             guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
+            if m < n:
+                home = alpha_0 * period / steps * (self.robot.home - q[i])
+                guess = q[i] + home - np.linalg.lstsq(J[i], J[i] @ home, rcond=None)[0]
         values = np.linalg.svd(J, compute_uv=False)
         i = int(np.argmin(values[:, -1] / values[:, 0]))
         if values[i, -1] < SINGULAR * values[i, 0]:
@@ -120,16 +164,7 @@ class Kinematics:
                 f"{values[i, -1]:.1e} m/rad, at least {SINGULAR * values[i, 0]:.1e} is needed; "
                 "move the motion away from there or choose another home pose"
             )
-        dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
-        drift = np.array([self._J_dot(q[i], dq[i]) @ dq[i] for i in range(steps)])
-        ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
-        jump = np.abs(self.solve(samples.x[0], q[-1]) - q[0]).max()
-        if jump > 1e-6:
-            raise MotionError(
-                f"{name}: the joints do not return to where they began: after one cycle they are "
-                f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
-            )
-        return JointMotion(q, dq, ddq)
+        return q, J
 
     def _unfolded(self, x: np.ndarray, start: np.ndarray) -> np.ndarray:
         """Joint angles that reach `x`, from `start` or from beside it where it is singular.
@@ -167,10 +202,19 @@ class Kinematics:
         mujoco.mj_comPos(model, data)
 
     def _x(self) -> np.ndarray:
-        return self._data.site_xpos[self.robot.site][self.robot.coordinate].copy()
+        robot, data = self.robot, self._data
+        if not robot.rotates:
+            return data.site_xpos[robot.site][robot.coordinate].copy()
+        x = np.empty(robot.m)
+        x[:-3] = data.site_xpos[robot.site][robot.coordinate[:-3]]
+        equations.rotation_vector(self._orientation(), robot.orientation, x[-3:])
+        return x
+
+    def _orientation(self) -> np.ndarray:
+        return self._data.site_xmat[self.robot.site].reshape(3, 3)
 
     def _J(self) -> np.ndarray:  # noqa: N802
-        mujoco.mj_jacSite(self._model, self._data, self._full, None, self.robot.site)
+        mujoco.mj_jacSite(self._model, self._data, self._full[:3], self._full[3:], self.robot.site)
         return self._full[self._of_task]
 
     def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
@@ -179,15 +223,30 @@ class Kinematics:
         data.qvel[self.robot.dof_address] = dq
         mujoco.mj_comVel(model, data)
         at = data.site_xpos[self.robot.site]
-        mujoco.mj_jacDot(model, data, self._full, None, at, self._body)
+        mujoco.mj_jacDot(model, data, self._full[:3], self._full[3:], at, self._body)
         return self._full[self._of_task]
 
     def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""
         self._place(q)
-        return x - self._x(), self._J()
+        error = x - self._x()
+        if self.robot.rotates:
+            desired = np.empty((3, 3))
+            equations.rotation(x[-3:], self.robot.orientation, desired)
+            equations.rotation_vector(desired, self._orientation(), error[-3:])
+        return error, self._J()
+
+
+def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
+    """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
+    dt = period / len(values)
+
+    def ahead(k: int) -> np.ndarray:
+        return np.roll(values, -k, axis=0)
+
+    return (8 * (ahead(1) - ahead(-1)) - (ahead(2) - ahead(-2))) / (12 * dt)
 
 
 def _point(x: np.ndarray, robot: Robot) -> str:
-    axes = "xyz"
-    parts = (f"{axes[c]} = {value:.3f}" for c, value in zip(robot.coordinate, x, strict=True))
-    return "(" + ", ".join(parts) + ") m"
+    position = zip(robot.position_axes, x, strict=False)
+    return "(" + ", ".join(f"{axis} = {value:.3f}" for axis, value in position) + ") m"

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+
+from . import springs
 
 
 def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
@@ -26,7 +30,7 @@ def learn(
     y: np.ndarray,
     q: np.ndarray,
     *,
-    beta: np.ndarray,
+    gain: np.ndarray,
     q_s: np.ndarray,
     lead: int = 0,
 ) -> np.ndarray:
@@ -39,7 +43,7 @@ def learn(
         u: learned torque of the cycle before (..., N, n) [N m].
         y: error signal of the cycle before (..., N, n) [rad/s].
         q: joint angles of the cycle before (..., N, n) [rad].
-        beta: learning gain (...) [N m s/rad].
+        gain: learning gain (..., n, n) [N m s/rad]: β I, or a matrix.
         q_s: centre of the regressor (..., n) [rad].
         lead: δ in control periods; the cycle is read as periodic. 0 as printed.
 
@@ -50,9 +54,86 @@ def learn(
         With lead = 0 the loop is unstable when sampled: the hold's delay breaks the passivity (15)
         at high frequency, and the torque diverges after tens to hundreds of cycles.
     """
-    v = u - np.asarray(beta)[..., None, None] * np.roll(y, -lead, axis=-2)
+    v = u - corrected(y, gain, lead)
     q_bar = q - np.asarray(q_s)[..., None, :]
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
+
+
+def corrected(y: np.ndarray, gain: np.ndarray, lead: int) -> np.ndarray:
+    """What learning takes off the torque: gain times y, read `lead` samples ahead (..., N, n)."""
+    return np.einsum("...ij,...tj->...ti", gain, np.roll(y, -lead, axis=-2))
+
+
+class Transferred(NamedTuple):
+    """What the motors learn and the springs take over for the next cycle."""
+
+    u: np.ndarray
+    """Learned torque of the next cycle (N, n) [N m]."""
+    stiffness: np.ndarray
+    """Stiffness k (n,) [N m/rad]."""
+    offset: np.ndarray
+    """Offset torque q̄_e about `center` (n,) [N m]."""
+    center: np.ndarray
+    """Centre q_c of the offset torque: the mean joint angle of the cycle (n,) [rad]."""
+
+
+def transfer(
+    u: np.ndarray,
+    y: np.ndarray,
+    q: np.ndarray,
+    stiffness: np.ndarray,
+    offset: np.ndarray,
+    center: np.ndarray,
+    *,
+    gain: np.ndarray,
+    lead: int,
+    harmonics: int | None,
+    bounds: tuple[tuple[float, float], tuple[float, float]],
+) -> Transferred:
+    """Learn, and hand the spring what a spring can do: the total torque stays as it is.
+
+    Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring
+    takes it over, as far as its bounds allow; what it takes, the motor gives up.
+
+    Args:
+        u: learned torque of the cycle before (N, n) [N m].
+        y: error signal of the cycle before (N, n) [rad/s].
+        q: joint angles of the cycle before (N, n) [rad].
+        stiffness: k at the end of it (n,) [N m/rad].
+        offset: q̄_e about `center` at the end of it (n,) [N m].
+        center: q_c during it (n,) [rad].
+        gain: learning gain (n, n) [N m s/rad].
+        lead: control periods that y is read ahead, circularly.
+        harmonics: how many of the cycle's harmonics the learned torque keeps; None for all.
+        bounds: of the stiffness [N m/rad] and of q_e - q_c [rad].
+    """
+    v = low_pass(u - corrected(y, gain, lead), harmonics)
+    mean = q.mean(axis=0)
+    z = q - mean
+    variance = (z**2).mean(axis=0)
+    w = spring_like_part(v, z)
+    level = v.mean(axis=0)
+    recentred = offset + stiffness * (center - mean)
+    k, b = np.empty_like(stiffness), np.empty_like(offset)
+    for j in range(len(k)):
+        k[j], b[j] = springs.nearest(
+            stiffness[j] - w[j], recentred[j] + level[j], *bounds[0], *bounds[1], variance[j]
+        )
+    return Transferred(v + (k - stiffness) * z - (b - recentred), k, b, mean)
+
+
+def low_pass(v: np.ndarray, harmonics: int | None) -> np.ndarray:
+    """A torque over a cycle with its first harmonics only, without a shift in phase.
+
+    Args:
+        v: torque over a cycle, read as periodic (N, n) [N m].
+        harmonics: how many to keep besides the mean; None for all.
+    """
+    if harmonics is None or harmonics >= len(v) // 2:
+        return v
+    spectrum = np.fft.rfft(v, axis=0)
+    spectrum[harmonics + 1 :] = 0.0
+    return np.fft.irfft(spectrum, n=len(v), axis=0)
 
 
 def resample(u: np.ndarray, steps: int) -> np.ndarray:

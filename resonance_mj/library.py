@@ -1,5 +1,6 @@
 """The robots and experiments that come with the package."""
 
+import re
 from pathlib import Path
 
 _PACKAGE = Path(__file__).parent
@@ -22,3 +23,15 @@ def experiments() -> dict[str, Path]:
 def robots() -> dict[str, Path]:
     """Built-in robots: file name -> MJCF file, in alphabetical order."""
     return {path.name: path for path in sorted(folder("mjcf").glob("*.xml"))}
+
+
+def line(path: Path) -> str:
+    """What a built-in robot or experiment is: the first sentence of its file's first comment."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".xml":
+        comment = text[text.index("<!--") + 4 : text.index("-->")]
+    else:
+        lines = text.splitlines()
+        comment = " ".join(part.removeprefix("#") for part in lines if part.startswith("#"))
+    sentence = " ".join(comment.split())
+    return re.split(r"(?<!Sec)[.](?: |$)", sentence)[0] + "."

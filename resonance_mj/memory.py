@@ -27,19 +27,26 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "joint_id": ("joints",),
     "actuator_id": ("joints",),
     "coordinate": ("coordinates",),
+    "orientation": ("three", "three"),
+    "posture": ("joints",),
     # the law's gains and the springs' bounds
     "k_v": ("coordinates",),
     "k_p": ("coordinates",),
     "gamma_k": ("joints",),
     "gamma_qe": ("joints",),
+    "feedback": ("joints", "joints"),
     "q_c": ("joints",),
     "q_s": ("joints",),
     "k_min": ("joints",),
     "k_max": ("joints",),
     "low": ("joints",),
     "high": ("joints",),
+    "parameters": ("parameters",),
     # beyond which the run has failed
     "torque_limit": ("joints",),
+    # the motors' limits
+    "tau_min": ("joints",),
+    "tau_max": ("joints",),
     # the springs that act now
     "stiffness": ("joints",),
     "offset": ("joints",),
@@ -49,14 +56,18 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "learned": ("steps", "joints"),
     "record": ("steps", "columns"),
     # scratch of one control step
-    "jacobian": ("three", "dofs"),
+    "jacobian": ("six", "dofs"),
     "J": ("coordinates", "joints"),
     "error": ("coordinates",),
     "rate": ("coordinates",),
     "s": ("coordinates",),
     "y": ("joints",),
     "tau": ("joints",),
-    "work": ("joints", "joints"),
+    "drift": ("joints",),
+    "q": ("joints",),
+    "dq": ("joints",),
+    "desired": ("three", "three"),
+    "work": ("more", "more"),
 }
 """Arrays of the block and their shapes, in the order in which they lie."""
 
@@ -79,15 +90,22 @@ _SCALARS = (
     "steps",  # of the longest cycle: the rows of the tables
     "columns",  # of the record
     "three",
+    "six",
+    "more",  # than the joints and than the coordinates, by one
     "site",  # the tool's id
-    "transpose",  # 1 for J^T in (8), 0 for J^-1
+    "rotates",  # 1 if the task has rotation, its last three coordinates
+    "form",  # of (8): 0 for J^-1, 1 for J^T, 2 for the damped pseudo-inverse
+    "inertial",  # 1 for feedback by `feedback` too
+    "usual",  # manipulability below which the damping grows
     "alpha",
+    "alpha_0",
     "beta",
     "lead",
     "timestep",
     "stages",  # callbacks per time step: 1, or 4 under RK4
     "stage",  # callbacks since the time step began
     "step",  # control steps since the cycle began
+    "count",  # of a custom law's parameters
     "speed_limit",  # [rad/s]
     "failed_step",  # control step in which the run diverged, counted from 1; 0 if it has not
     "failed_joint",  # its joint
@@ -113,7 +131,14 @@ class Layout:
     coordinates: int
     dofs: int
     steps: int
+    parameters: int = 0
     three: int = 3
+    six: int = 6
+
+    @property
+    def more(self) -> int:
+        """One more than the joints and than the coordinates."""
+        return max(self.joints, self.coordinates) + 1
 
     @property
     def columns(self) -> int:
@@ -153,7 +178,16 @@ class Memory:
         self._starts = dict(layout.starts())
         userdata[:, -2] = begin
         userdata[:, -1] = SIGNATURE
-        for name in ("joints", "coordinates", "dofs", "steps", "columns", "three"):
+        for name in (
+            "joints",
+            "coordinates",
+            "dofs",
+            "steps",
+            "columns",
+            "three",
+            "six",
+            "more",
+        ):
             self.scalar(name)[:] = getattr(layout, name)
         for name, start in self._starts.items():
             self.scalar(name)[:] = start

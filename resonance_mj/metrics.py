@@ -64,6 +64,7 @@ def _segment(data: xr.Dataset) -> dict[str, Any]:
         "torque_squared_without_springs": without,
         "torque_squared_optimal": optimal,
         "tracking_rms": last("tracking_rms"),
+        **({"rotation_rms": last("rotation_rms")} if "rotation_rms" in mine else {}),
         "stiffness": last("stiffness_per_cycle"),
         "stiffness_optimal": data["stiffness_optimal"].values.tolist(),
         "offset": last("offset_per_cycle"),

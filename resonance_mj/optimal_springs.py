@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import default_motion, springs
 from . import motion as motions
-from . import springs
 from .experiment import Experiment, Springs
 from .kinematics import JointMotion, Kinematics
 from .robot import Robot, build
@@ -73,18 +73,33 @@ def optimum(experiment: Experiment) -> list[Optimum]:
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
     """
     robot = build(experiment)
+    experiment = resolved(experiment, robot)
     return along(experiment, robot, follow(experiment, robot))
+
+
+def resolved(experiment: Experiment, robot: Robot) -> Experiment:
+    """The experiment with what it left open in its motions filled in."""
+    kinematics = Kinematics(robot)
+    at_home = kinematics.position(robot.home)
+    motion = []
+    for index, given in enumerate(experiment.motion):
+        name = f"experiment {experiment.name!r}: motion.{index}"
+        fitting = motions.resolve(given, robot, at_home, name)
+        motion.append(default_motion.sized(fitting, kinematics, name, experiment.law.alpha_0))
+    return experiment.model_copy(update={"motion": tuple(motion)})
 
 
 def along(experiment: Experiment, robot: Robot, found: list[JointMotion]) -> list[Optimum]:
     """The optimum of each of an experiment's joint motions, from `follow`."""
     kinematics = Kinematics(robot)
     q_c = center(experiment.law.q_c, found, robot)
+    transfers = experiment.law.kind != "paper"
     return [
         best_springs(
             joints.q,
             kinematics.torque(joints),
-            center=q_c,
+            # Springs of other laws than the printed one are centred on the motion's own mean.
+            center=joints.q.mean(axis=0) if transfers else q_c,
             period=motion.period,
             bounds=experiment.springs,
         )
@@ -97,9 +112,10 @@ def follow(experiment: Experiment, robot: Robot) -> list[JointMotion]:
     kinematics = Kinematics(robot)
     start, found = robot.home, []
     for index, motion in enumerate(experiment.motion):
-        samples = motions.sample(motion, motion.steps(experiment.simulation.timestep))
+        steps = motion.steps(experiment.simulation.timestep)
+        samples = motions.sample(motion, steps, robot)
         name = f"experiment {experiment.name!r}: motion.{index}"
-        found.append(kinematics.follow(samples, start, motion.period, name))
+        found.append(kinematics.follow(samples, start, motion.period, name, experiment.law.alpha_0))
         start = found[-1].q[-1]
     return found
 

@@ -7,8 +7,9 @@ import xarray as xr
 
 from . import springs
 from .experiment import Experiment
+from .kinematics import Kinematics
 from .memory import COLUMNS, Memory
-from .optimal_springs import Optimum
+from .optimal_springs import Optimum, best_springs
 from .robot import Robot
 
 UNITS = {
@@ -38,6 +39,18 @@ MEANING = {
     "center": "center q_c of the offset torque",
 }
 
+OF_SLIDES = {
+    "rad": "m",
+    "rad/s": "m/s",
+    "m^2/s": "m^2/s",
+    "N m": "N",
+    "N m/rad": "N/m",
+}
+"""Units of a hinge joint's variables, and of a slide joint's."""
+
+POSES = 8
+"""Poses of a cycle at which its distance from singular poses is measured."""
+
 HARDER, GROWN = 3.0, 10.0
 """Multiples of torque² without springs, and of the lowest before, above which a run diverges."""
 
@@ -56,7 +69,7 @@ class Recording:
         self._dt = experiment.simulation.timestep
         self._segment = np.repeat(np.arange(len(optima)), [m.cycles for m in experiment.motion])
         self._kept = _kept(experiment)
-        self._samples: dict[str, list[np.ndarray]] = {name: [] for name in (*UNITS, "tau_optimal")}
+        self._samples: dict[str, list[np.ndarray]] = {name: [] for name in UNITS}
         self._times: list[np.ndarray] = []
         self._sample_cycles: list[np.ndarray] = []
         self._torque_squared: list[float] = []
@@ -64,6 +77,11 @@ class Recording:
         self._stiffness: list[np.ndarray] = []
         self._offset: list[np.ndarray] = []
         self._time = 0.0
+        self._rotation_rms: list[float] = []
+        self._singular: list[float] = []
+        self._made: dict[int, Optimum] = {}
+        self._kinematics = Kinematics(robot)
+        self._at_limit = np.zeros(robot.n)
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
 
@@ -107,11 +125,50 @@ class Recording:
             by_joint = (taken["tau"] ** 2).mean(axis=0)
             self._torque_squared.append(float(by_joint.sum()))
             self.hardest = self._robot.joints[int(by_joint.argmax())]
-            miss = ((taken["x"] - taken["x_desired"]) ** 2).sum(axis=1)
-            self._tracking_rms.append(float(np.sqrt(miss.mean())))
+            miss = taken["x"] - taken["x_desired"]
+            positions = len(self._robot.position_axes)
+            self._tracking_rms.append(_rms(miss[:, :positions]))
+            self._rotation_rms.append(_rms(miss[:, positions:]))
+            some = taken["q"][:: max(1, steps // POSES)]
+            J = np.array([self._kinematics.jacobian(q) for q in some])
+            self._singular.append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
+            low, high = self._robot.torque_limit.T
+            self._at_limit = ((taken["tau"] <= low) | (taken["tau"] >= high)).mean(axis=0)
+            self._made[int(self._segment[cycle])] = self._best_for(taken, memory, robot)
             self._stiffness.append(memory["stiffness"][robot].copy())
             self._offset.append(memory["offset"][robot].copy())
             self._time += whole * self._dt
+
+    def _best_for(self, taken: dict[str, np.ndarray], memory: Memory, robot: int) -> Optimum:
+        """The optimum for the joint motion that was made, from motor and spring torque together."""
+        q, center = taken["q"], memory["q_c"][robot].copy()
+        spring = springs.torque(taken["stiffness"], taken["offset"], q, center)
+        segment = int(self._segment[len(self._torque_squared) - 1])
+        return best_springs(
+            q,
+            taken["tau"] + spring,
+            center=center,
+            period=self._experiment.motion[segment].period,
+            bounds=self._experiment.springs,
+        )
+
+    def optima(self) -> list[Optimum]:
+        """The optimum of each motion.
+
+        Where the task leaves joints free, it does not determine the joint motion: then that of the
+        joint motion that was made in the motion's last whole cycle.
+        """
+        if self._robot.m == self._robot.n:
+            return self._optima
+        return [self._made.get(i, best) for i, best in enumerate(self._optima)]
+
+    def notes(self) -> list[str]:
+        """What the run showed that its user should know, a line each."""
+        return [
+            f"{joint}'s motor was at its limit for {share:.0%} of the last cycle"
+            for joint, share in zip(self._robot.joints, self._at_limit, strict=True)
+            if share > 0
+        ]
 
     def _keep(self, taken: dict[str, np.ndarray], center: np.ndarray, cycle: int, n: int) -> None:
         taken["center"] = np.broadcast_to(center, taken["q"].shape)
@@ -119,7 +176,6 @@ class Recording:
         k = np.where((k == 0) & (offset != 0), springs.LIMP, k)
         ratio = np.divide(offset, k, out=np.zeros_like(k), where=k != 0)
         taken["equilibrium"] = ratio + center
-        taken["tau_optimal"] = self._optima[self._segment[cycle]].torque[:n]
         for name, values in taken.items():
             self._samples[name].append(values)
         self._times.append(self._time + np.arange(n) * self._dt)
@@ -127,14 +183,15 @@ class Recording:
 
     def dataset(self) -> xr.Dataset:
         """The run so far, as labelled arrays with units."""
-        experiment, robot, optima = self._experiment, self._robot, self._optima
+        experiment, robot, optima = self._experiment, self._robot, self.optima()
         cycles = len(self._torque_squared)
         coords = {
             "time": ("time", _joined(self._times), {"units": "s"}),
             "cycle": ("cycle", np.arange(1, cycles + 1), {"units": "1"}),
             "segment": ("segment", np.arange(1, len(optima) + 1), {"units": "1"}),
             "joint": ("joint", list(robot.joints), {"units": "1"}),
-            "axis": ("axis", list(experiment.task.coordinates), {"units": "1"}),
+            "slides": ("joint", robot.slides, {"units": "1", "long_name": "1 for a slide joint"}),
+            "axis": ("axis", list(robot.axes), {"units": "1"}),
             "cycle_of_sample": ("time", _joined(self._sample_cycles).astype(int), {"units": "1"}),
             "segment_of_cycle": ("cycle", self._segment[:cycles] + 1, {"units": "1"}),
         }
@@ -145,16 +202,25 @@ class Recording:
             data[name] = (dims, _joined(self._samples[name], width), _about(units, MEANING[name]))
         if experiment.law.jacobian == "transpose":
             data["y"].attrs["units"] = "m^2/s"
+        best_torque = [
+            optima[self._segment[part[0] - 1]].torque[: len(part)]
+            for part in self._sample_cycles
+            if len(part)
+        ]
         data["tau_optimal"] = (
             ("time", "joint"),
-            _joined(self._samples["tau_optimal"], robot.n),
+            _joined(best_torque, robot.n),
             _about("N m", "motor torque with the optimal springs, tau_dopt"),
         )
         squared = "N^2 m^2"
         for name, values, units, meaning in (
             ("torque_squared", self._torque_squared, squared, "mean of tau^T tau over the cycle"),
-            ("tracking_rms", self._tracking_rms, "m", "root mean square of |x - x_d|"),
+            ("tracking_rms", self._tracking_rms, "m", "root mean square of the position error"),
+            ("rotation_rms", self._rotation_rms, "rad", "root mean square of the rotation error"),
+            ("singular_value", self._singular, "m/rad", "smallest singular value of J"),
         ):
+            if name == "rotation_rms" and not robot.rotates:
+                continue
             data[name] = ("cycle", np.asarray(values, float), _about(units, meaning))
         for name, rows in (("stiffness", self._stiffness), ("offset", self._offset)):
             table = np.asarray(rows, float).reshape(cycles, robot.n)
@@ -176,6 +242,11 @@ class Recording:
         data["end"] = ("segment", ends, _about("s", "end of the motion"))
         periods = [motion.period for motion in experiment.motion]
         data["period"] = ("segment", periods, _about("s", "cycle time T"))
+        if robot.slides.any():
+            for variable in data.values():
+                if "joint" in variable.dims:
+                    units = variable.attrs["units"]
+                    variable.attrs["units"] = f"{units}; {OF_SLIDES[units]} for slide joints"
         data.attrs["thinned"] = int(len(self._kept) < len(self._segment))
         return data
 
@@ -192,6 +263,11 @@ def _kept(experiment: Experiment) -> set[int]:
         kept.update(first + np.linspace(0, motion.cycles - 1, count).round().astype(int))
         first += motion.cycles
     return {int(cycle) for cycle in kept}
+
+
+def _rms(miss: np.ndarray) -> float:
+    """Root mean square of the length of a vector over a cycle (N, ·)."""
+    return float(np.sqrt((miss**2).sum(axis=1).mean()))
 
 
 def _about(units: str, meaning: str) -> dict[str, str]:

@@ -8,12 +8,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from . import library
+from . import home as homes
+from . import mjcf
 from .errors import ExperimentError, RobotError
 from .experiment import Experiment
 from .memory import Layout
 
-AXES = {"x": 0, "y": 1, "z": 2}
+AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
 
 INTEGRATORS = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,
@@ -34,10 +35,15 @@ class Robot:
         dof_address: their addresses in qvel (n,).
         actuator_id: the motor of each (n,).
         site: id of the tool's site.
-        coordinate: axes of the world that the task controls (m,).
+        axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
+        coordinate: their numbers, 0 to 5 (m,).
+        orientation: of the tool at home (3, 3).
+        torque_limit: least and greatest torque of each motor (n, 2) [N m].
         home: joint angles at the start (n,) [rad].
         qpos: the whole model's qpos at the start (nq,).
-        inertia: of each joint with the others held, at home (n,) [kg m^2].
+        inertia: inertia matrix at home (n, n) [kg m^2].
+        usual: manipulability sqrt(det J Jᵀ) of the task's Jacobian at home.
+        notes: what was chosen and changed when the robot was loaded, a line each.
         layout: sizes of the controller's block.
     """
 
@@ -48,10 +54,15 @@ class Robot:
     dof_address: np.ndarray
     actuator_id: np.ndarray
     site: int
+    axes: tuple[str, ...]
     coordinate: np.ndarray
+    orientation: np.ndarray
+    torque_limit: np.ndarray
     home: np.ndarray
     qpos: np.ndarray
     inertia: np.ndarray
+    usual: float
+    notes: tuple[str, ...]
     layout: Layout
 
     @property
@@ -63,6 +74,21 @@ class Robot:
     def m(self) -> int:
         """Number of task coordinates."""
         return len(self.coordinate)
+
+    @property
+    def slides(self) -> np.ndarray:
+        """1 for each slide joint, 0 for each hinge (n,)."""
+        return (self.model.jnt_type[self.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)).astype(int)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether the task has rotation, its last three coordinates."""
+        return self.axes[-1] == "rz"
+
+    @property
+    def position_axes(self) -> tuple[str, ...]:
+        """The task's coordinates without rotation."""
+        return self.axes[:-3] if self.rotates else self.axes
 
 
 def build(experiment: Experiment) -> Robot:
@@ -76,57 +102,107 @@ def build(experiment: Experiment) -> Robot:
         RobotError: the file is missing, MuJoCo rejects it, or the arm is not one that the law can
             drive; the message names the file and the element.
     """
-    path = find(experiment.robot.mjcf)
-    spec = _parse(path)
+    given = experiment.robot
+    path = mjcf.find(given.mjcf)
+    arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
+    spec, joints, notes = arm.spec, arm.joints, list(arm.notes)
     spec.option.timestep = experiment.simulation.timestep
     spec.option.integrator = INTEGRATORS[experiment.simulation.integrator]
     if experiment.simulation.gravity is not None:
         spec.option.gravity = experiment.simulation.gravity
     # A reset would wipe the record of a run that diverges; the controller detects it first.
-    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    model = _compile(spec, path)
-
-    site = _site(model, experiment.robot.tool, path)
-    joint_id = _chain(model, site, path)
-    joints = tuple(model.joint(int(j)).name or f"joint{j}" for j in joint_id)
-    actuator_id = np.array([_motor(model, int(j), path) for j in joint_id])
-    coordinate = np.array([AXES[axis] for axis in experiment.task.coordinates])
-    if len(coordinate) != len(joints):
+    disabled = mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    if not given.contacts:
+        disabled |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    if not given.limits:
+        disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    spec.option.disableflags |= disabled
+    model = mjcf.compile_spec(spec, path)
+    joint_id = np.array([model.joint(name).id for name in joints])
+    site = int(model.site(arm.tool).id)
+    home = _home(experiment, arm, model, joint_id, site, path, notes)
+    qpos = model.qpos0.copy()
+    qpos[model.jnt_qposadr[joint_id]] = home
+    jacobian, orientation, inertia = _at_home(model, qpos, joint_id, site)
+    axes = _axes(experiment, jacobian, path, notes)
+    _check_lengths(experiment, joints, axes, path)
+    if len(axes) > len(joints):
         raise RobotError(
-            f"{path}: task.coordinates = {list(experiment.task.coordinates)} has "
-            f"{len(coordinate)} coordinates and the arm has {len(joints)} joints "
-            f"({', '.join(joints)}); the law needs as many coordinates as joints"
+            f"{path}: the task has {len(axes)} coordinates ({', '.join(axes)}) and the arm "
+            f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
+            "joints"
         )
-    qpos_address = model.jnt_qposadr[joint_id].copy()
-    home, qpos = _home(model, experiment.robot.home, qpos_address, joints, path)
-    _check_lengths(experiment, joints, path)
+    coordinate = np.array([AXES[axis] for axis in axes])
+    J = jacobian[coordinate]
     layout = Layout(
         joints=len(joints),
-        coordinates=len(coordinate),
+        coordinates=len(axes),
         dofs=model.nv,
         steps=max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion),
+        parameters=len(experiment.law.parameters),
+    )
+    actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
+    limits = np.where(
+        model.actuator_ctrllimited[actuator_id, None].astype(bool),
+        model.actuator_ctrlrange[actuator_id],
+        [-np.inf, np.inf],
     )
     spec.nuserdata = model.nuserdata + layout.size
     return Robot(
-        model=_compile(spec, path),
+        model=mjcf.compile_spec(spec, path),
         joints=joints,
         joint_id=joint_id,
-        qpos_address=qpos_address,
+        qpos_address=model.jnt_qposadr[joint_id].copy(),
         dof_address=model.jnt_dofadr[joint_id].copy(),
         actuator_id=actuator_id,
         site=site,
+        axes=axes,
         coordinate=coordinate,
+        orientation=orientation,
+        torque_limit=limits,
         home=home,
         qpos=qpos,
-        inertia=_inertia(model, qpos)[model.jnt_dofadr[joint_id]],
+        inertia=inertia,
+        usual=float(np.sqrt(max(np.linalg.det(J @ J.T), 0.0))),
+        notes=tuple(notes),
         layout=layout,
     )
 
 
-def _check_lengths(experiment: Experiment, joints: tuple[str, ...], path: Path) -> None:
+def _axes(
+    experiment: Experiment, jacobian: np.ndarray, path: Path, notes: list[str]
+) -> tuple[str, ...]:
+    """The task's coordinates; if not given, the positions that the arm controls at home."""
+    given = experiment.task.coordinates
+    if given is not None:
+        return tuple(
+            axis
+            for name in given
+            for axis in (("rx", "ry", "rz") if name == "rotation" else (name,))
+        )
+    # One arm moves in x and z, another in all three: take the axes in turn, and leave out one that
+    # moves only as the others make it.
+    size = np.linalg.norm(jacobian[:3])
+    found: list[str] = []
+    for axis in "xzy":
+        rows = jacobian[[AXES[name] for name in (*found, axis)]]
+        enough = len(rows) <= jacobian.shape[1]
+        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
+            found.append(axis)
+    if not found:
+        raise RobotError(f"{path}: the tool cannot be moved from the home pose")
+    axes = tuple(sorted(found))
+    notes.append(f"task: position in {', '.join(axes)}, which the arm controls at home")
+    return axes
+
+
+def _check_lengths(
+    experiment: Experiment, joints: tuple[str, ...], axes: tuple[str, ...], path: Path
+) -> None:
     """Raise where an experiment gives a list that is not as long as the arm or the task."""
-    law, bounds, axes = experiment.law, experiment.springs, experiment.task.coordinates
-    for key, value, each, names in (
+    law, bounds = experiment.law, experiment.springs
+    position = tuple(axis for axis in axes if axis in "xyz")
+    lists = [
         ("law.k_v", law.k_v, "coordinate", axes),
         ("law.k_p", law.k_p, "coordinate", axes),
         ("law.gamma_k", law.gamma_k, "joint", joints),
@@ -135,7 +211,11 @@ def _check_lengths(experiment: Experiment, joints: tuple[str, ...], path: Path) 
         ("law.q_s", law.q_s, "joint", joints),
         ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
         ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),
-    ):
+    ]
+    for index, motion in enumerate(experiment.motion):
+        lists.append((f"motion.{index}.offset", motion.offset, "coordinate", axes))
+        lists.append((f"motion.{index}.center", motion.center, "coordinate", position))
+    for key, value, each, names in lists:
         if isinstance(value, tuple) and len(value) != len(names):
             raise ExperimentError(
                 f"experiment {experiment.name!r}: {key} = {list(value)} has {len(value)} numbers; "
@@ -143,140 +223,41 @@ def _check_lengths(experiment: Experiment, joints: tuple[str, ...], path: Path) 
             )
 
 
-def find(mjcf: str) -> Path:
-    """The MJCF file that a path or a built-in name means.
-
-    Raises:
-        RobotError: there is no such file.
-    """
-    path = Path(mjcf)
-    if path.is_file():
-        return path
-    built_in = library.robots()
-    if mjcf in built_in:
-        return built_in[mjcf]
-    raise RobotError(
-        f"robot.mjcf = {mjcf!r}: no such file; give the path of an MJCF file or one of "
-        f"{', '.join(built_in)}"
-    )
-
-
-def _parse(path: Path) -> mujoco.MjSpec:
-    try:
-        return mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise RobotError(_rejected(path, error)) from None
-
-
-def _compile(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
-    try:
-        return spec.compile()
-    except ValueError as error:
-        raise RobotError(_rejected(path, error)) from None
-
-
-def _rejected(path: Path, error: ValueError) -> str:
-    return f"{path}: MuJoCo rejects it: {' '.join(str(error).split())}"
-
-
-def _site(model: mujoco.MjModel, name: str, path: Path) -> int:
-    site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name)
-    if site < 0:
-        names = [model.site(i).name for i in range(model.nsite)]
-        listed = ", ".join(filter(None, names)) or "none with a name"
-        raise RobotError(f"{path}: robot.tool = {name!r}: no such site; its sites are: {listed}")
-    return int(site)
-
-
-def _chain(model: mujoco.MjModel, site: int, path: Path) -> np.ndarray:
-    """Ids of the joints from the world to the tool's body."""
-    joints: list[int] = []
-    body = int(model.site_bodyid[site])
-    while body > 0:
-        first = int(model.body_jntadr[body])
-        count = int(model.body_jntnum[body])
-        joints[:0] = range(first, first + count)
-        body = int(model.body_parentid[body])
-    if not joints:
-        raise RobotError(f"{path}: no joint moves the tool {model.site(site).name!r}")
-    for j in joints:
-        if int(model.jnt_type[j]) not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
-            kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
-            raise RobotError(
-                f"{path}: joint {model.joint(j).name!r} between the world and the tool is a {kind} "
-                "joint; only hinge and slide joints can carry a spring"
-            )
-        if model.jnt_stiffnesspoly[j].any() or model.jnt_springyield[j] > 0:
-            raise RobotError(
-                f"{path}: joint {model.joint(j).name!r} has a polynomial or plastic spring "
-                "(stiffness with several numbers, or springyield); the law needs a linear one"
-            )
-    return np.array(joints)
-
-
-def _motor(model: mujoco.MjModel, joint: int, path: Path) -> int:
-    """The actuator whose control is the torque of `joint`."""
-    name = model.joint(joint).name
-    mine = [
-        a
-        for a in range(model.nu)
-        if model.actuator_trntype[a] == mujoco.mjtTrn.mjTRN_JOINT
-        and model.actuator_trnid[a, 0] == joint
-    ]
-    if len(mine) != 1:
-        raise RobotError(
-            f"{path}: joint {name!r} has {len(mine)} actuators; one is needed: "
-            f'<motor joint="{name}" gear="1"/>'
-        )
-    a = mine[0]
-    is_motor = (
-        model.actuator_dyntype[a] == mujoco.mjtDyn.mjDYN_NONE
-        and model.actuator_gaintype[a] == mujoco.mjtGain.mjGAIN_FIXED
-        and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
-        and model.actuator_gainprm[a, 0] == 1.0
-        and model.actuator_gear[a, 0] == 1.0
-    )
-    if not is_motor:
-        raise RobotError(
-            f"{path}: actuator {model.actuator(a).name!r} of joint {name!r} is not a torque motor; "
-            f'use <motor joint="{name}" gear="1"/>'
-        )
-    return a
-
-
 def _home(
+    experiment: Experiment,
+    arm: mjcf.Arm,
     model: mujoco.MjModel,
-    home: str | tuple[float, ...],
-    qpos_address: np.ndarray,
-    joints: tuple[str, ...],
+    joint_id: np.ndarray,
+    site: int,
     path: Path,
-) -> tuple[np.ndarray, np.ndarray]:
-    qpos = model.qpos0.copy()
-    if isinstance(home, str):
-        key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, home)
-        if key < 0:
-            names = [model.key(i).name for i in range(model.nkey)]
-            listed = ", ".join(filter(None, names)) or "none with a name"
+    notes: list[str],
+) -> np.ndarray:
+    given = experiment.robot.home
+    if isinstance(given, tuple):
+        if len(given) != len(joint_id):
             raise RobotError(
-                f"{path}: robot.home = {home!r}: no such keyframe; its keyframes are: {listed}. "
-                "Or give the joint angles as a list"
+                f"{path}: robot.home has {len(given)} angles and the arm has {len(joint_id)} "
+                f"joints ({', '.join(arm.joints)})"
             )
-        qpos = model.key_qpos[key].copy()
-    else:
-        if len(home) != len(joints):
-            raise RobotError(
-                f"{path}: robot.home has {len(home)} angles and the arm has {len(joints)} joints "
-                f"({', '.join(joints)})"
-            )
-        qpos[qpos_address] = home
-    return qpos[qpos_address].copy(), qpos
+        return np.asarray(given, float)
+    if arm.home is not None:
+        if given is None:
+            notes.append("home: the keyframe 'home'")
+        return arm.home
+    found = homes.find(model, joint_id, site)
+    notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}")
+    return found
 
 
-def _inertia(model: mujoco.MjModel, qpos: np.ndarray) -> np.ndarray:
-    """Diagonal of the inertia matrix at `qpos` (nv,)."""
+def _at_home(
+    model: mujoco.MjModel, qpos: np.ndarray, joint_id: np.ndarray, site: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Jacobian (6, n), the tool's orientation (3, 3) and inertia matrix (n, n) at `qpos`."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     mujoco.mj_forward(model, data)
-    full = np.zeros((model.nv, model.nv))
+    dofs = model.jnt_dofadr[joint_id]
+    jacobian, full = np.zeros((6, model.nv)), np.zeros((model.nv, model.nv))
+    mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], site)
     mujoco.mj_fullM(model, data, full)
-    return np.diag(full).copy()
+    return jacobian[:, dofs], data.site_xmat[site].reshape(3, 3).copy(), full[np.ix_(dofs, dofs)]

@@ -52,6 +52,7 @@ class Run:
         experiment: what was simulated.
         status: how it ended.
         message: why, and what to try; empty if all went well.
+        notes: what was found, changed or is doubtful, a line each.
         data: dims time | cycle | segment, joint, axis; every variable has units. Per time: q, dq,
             x, x_desired, tau, u, y, stiffness, offset, equilibrium, center, tau_optimal. Per cycle:
             torque_squared, tracking_rms, stiffness_per_cycle, offset_per_cycle. Per motion: the
@@ -68,6 +69,7 @@ class Run:
     data: xr.Dataset
     steps: int
     simulation_wall_s: float
+    notes: tuple[str, ...] = ()
     versions: dict[str, str] = field(default_factory=versions)
 
     def summary(self) -> dict[str, Any]:
@@ -76,6 +78,7 @@ class Run:
             "name": self.experiment.name,
             "status": str(self.status),
             "message": self.message,
+            "notes": list(self.notes),
             "versions": self.versions,
             "steps": self.steps,
             "simulation_wall_s": self.simulation_wall_s,
@@ -96,6 +99,7 @@ class Run:
                 title=f"resonance-mj run {self.experiment.name}",
                 status=str(self.status),
                 message=self.message,
+                notes=json.dumps(self.notes),
                 steps=self.steps,
                 simulation_wall_s=self.simulation_wall_s,
                 versions=json.dumps(self.versions),
@@ -130,6 +134,7 @@ class Run:
                 experiment=load(folder / "experiment.toml"),
                 status=Status(attributes.pop("status")),
                 message=str(attributes.pop("message")),
+                notes=tuple(json.loads(attributes.pop("notes"))),
                 steps=int(attributes.pop("steps")),
                 simulation_wall_s=float(attributes.pop("simulation_wall_s")),
                 versions=json.loads(attributes.pop("versions")),

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 
 import mujoco
+import numpy as np
 
 from . import controller, learning
 from .callback import installed, refuse_another
@@ -25,6 +26,7 @@ def simulate(
     *,
     interpret: bool = False,
     progress: Progress | None = None,
+    note: Callable[[str], None] | None = None,
 ) -> Run:
     """Simulate one experiment.
 
@@ -33,6 +35,8 @@ def simulate(
         interpret: run the law as plain Python in the callback, for a debugger; the same numbers,
             some thirty times slower.
         progress: called after each cycle with the cycles done and the cycles in all.
+        note: called before the first step with each thing that was found, changed or is doubtful;
+            they stand in `Run.notes` too.
 
     Returns:
         The run. One that diverges stops there, with status DIVERGED and what was recorded.
@@ -43,7 +47,11 @@ def simulate(
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
-    return _simulate([prepare(experiment)], Alone, interpret, progress)[0]
+    prepared = prepare(experiment)
+    if note is not None:
+        for line in prepared.notes:
+            note(line)
+    return _simulate([prepared], Alone, interpret, progress)[0]
 
 
 def simulate_many(
@@ -109,12 +117,14 @@ def _simulate(
     going = list(range(len(group)))
     schedule = group[0].schedule
     wall = 0.0
-    with installed(interpret=interpret):
+    passed = False
+    with installed(interpret=interpret, command=group[0].law.command):
         for cycle, segment in enumerate(schedule):
             steps = group[0].steps(segment)
-            if cycle == 0 or segment != schedule[cycle - 1]:
+            passing = group[0].blending(cycle) is not None
+            if cycle == 0 or segment != schedule[cycle - 1] or passing or passed:
                 for index in going:
-                    load_motion(memory, index, group[index], segment)
+                    load_motion(memory, index, group[index], cycle)
             began = time.perf_counter()
             memory.scalar("step")[:] = 0
             for index in going:
@@ -139,12 +149,14 @@ def _simulate(
             if not going:
                 break
             if cycle + 1 < len(schedule):
-                _learn(memory, going, steps, group[0].steps(schedule[cycle + 1]))
+                _learn(memory, going, group, cycle)
+            passed = passing
     return [
         Run(
             experiment=one.experiment,
             status=endings[index][0],
             message=endings[index][1],
+            notes=(*one.notes, *recordings[index].notes()),
             data=recordings[index].dataset(),
             steps=steps_done[index],
             simulation_wall_s=wall,
@@ -153,28 +165,49 @@ def _simulate(
     ]
 
 
-def _learn(memory: Memory, going: list[int], now: int, following: int) -> None:
-    """Replace the learned torque of a cycle of `now` steps by that of the next, (9), (10)."""
-    q, y, u = (memory.recorded(name, now) for name in ("q", "y", "u"))
-    leads = memory.scalar("lead")
-    for lead in set(leads[going]):
-        same = [index for index in going if leads[index] == lead]
-        learned = learning.learn(
-            u[same],
-            y[same],
-            q[same],
-            beta=memory.scalar("beta")[same],
-            q_s=memory["q_s"][same],
-            lead=int(lead),
-        )
-        memory["learned"][same, :following] = learning.resample(learned, following)
+def _learn(memory: Memory, going: list[int], group: list[Prepared], cycle: int) -> None:
+    """Replace the learned torque of a cycle by that of the next; a passage teaches nothing."""
+    for index in going:
+        one = group[index]
+        now = one.steps(one.schedule[cycle])
+        following = one.steps(one.schedule[cycle + 1])
+        q, y, u = (memory.recorded(name, now)[index] for name in ("q", "y", "u"))
+        chosen, bounds = one.gains, one.experiment.springs
+        if one.blending(cycle) is not None:
+            learned = u
+        elif one.experiment.law.kind == "paper":
+            learned = learning.learn(
+                u, y, q, gain=chosen.learning, q_s=memory["q_s"][index], lead=chosen.lead
+            )
+        else:
+            springs = [memory[name][index] for name in ("stiffness", "offset", "q_c")]
+            taken: Sequence[np.ndarray]
+            if one.law.learn is not None:
+                parameters = np.array(one.experiment.law.parameters)
+                copies = tuple(part.copy() for part in (u, y, q, *springs))
+                taken = one.law.learned(copies, parameters)
+            else:
+                taken = learning.transfer(
+                    u,
+                    y,
+                    q,
+                    *springs,
+                    gain=chosen.learning,
+                    lead=chosen.lead,
+                    harmonics=chosen.harmonics,
+                    bounds=(bounds.stiffness, bounds.equilibrium),
+                )
+            learned = taken[0]
+            for view, value in zip(springs, taken[1:], strict=True):
+                view[:] = value
+        memory["learned"][index, :following] = learning.resample(learned, following)
 
 
 def _what_diverged(
     memory: Memory, index: int, one: Prepared, recording: Recording, cycle: int
 ) -> str:
     """Which joint failed, when, why, and what to try; empty if none did."""
-    law, dt = one.experiment.law, one.experiment.simulation.timestep
+    dt = one.experiment.simulation.timestep
     where = f"motion {one.schedule[cycle] + 1} diverged in cycle {cycle + 1} of the run"
     failed = int(memory.scalar("failed_step")[index])
     if failed:
@@ -187,15 +220,13 @@ def _what_diverged(
             return ""
     tries = f"a shorter simulation.timestep (now {dt:g} s)"
     if cycle == 0:
-        tries = (
-            f"smaller law.k_v and law.k_p (now {_shown(law.k_v)} and {_shown(law.k_p)}) or {tries}"
-        )
+        tries = f"smaller law.k_v and law.k_p or {tries}"
+        if one.gains.feedback.any():
+            tries = f"a smaller law.omega (now {one.gains.omega:g} 1/s) or {tries}"
     else:
-        tries = f"a smaller law.beta (now {law.beta:g}) or {tries}"
-        if law.lead == 0:
+        law = one.experiment.law
+        key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
+        tries = f"a smaller law.{key} (now {now:g}) or {tries}"
+        if one.gains.lead == 0:
             tries = f"law.lead = 1, {tries}"
     return f"{where}: {why}; try {tries}"
-
-
-def _shown(gain: float | tuple[float, ...]) -> str:
-    return f"{gain:g}" if isinstance(gain, float) else ", ".join(f"{value:g}" for value in gain)

@@ -68,7 +68,16 @@ _PROBE = """<mujoco><size nuserdata="11"/><worldbody>
 <actuator><motor joint="a"/><motor joint="b"/></actuator></mujoco>"""
 
 MODEL_FIELDS = ("jnt_stiffness", "qpos_spring", "nq", "nv", "nu", "njnt", "nuserdata")
-DATA_FIELDS = ("userdata", "qpos", "qvel", "ctrl", "site_xpos", "qfrc_bias", "qfrc_passive")
+DATA_FIELDS = (
+    "userdata",
+    "qpos",
+    "qvel",
+    "ctrl",
+    "site_xpos",
+    "site_xmat",
+    "qfrc_bias",
+    "qfrc_passive",
+)
 
 _model = mujoco.MjModel.from_xml_string(_PROBE)
 MODEL_OFFSETS = _checked_offsets("mjModel", MODEL_FIELDS, _model)

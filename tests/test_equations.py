@@ -268,6 +268,11 @@ def test_without_bounds_on_the_angle_only_the_stiffness_is_limited(k, offset, we
 # (9), (10), (11)
 
 
+def gain_of(beta, n):
+    """β as the learning gain β I of each robot."""
+    return np.asarray(beta)[..., None, None] * np.eye(n)
+
+
 def cycle(seed, n, steps=200, robots=()):
     """Random signals u, y, q of a cycle (*robots, steps, n) and gains β, q_s."""
     rng = np.random.default_rng(seed)
@@ -286,7 +291,7 @@ def test_learned_torque_is_9_with_the_coefficients_10(seed, n):
         for j in range(n)
     ]
     as_printed = np.array([u[t] - beta * y[t] - np.diag(w) @ q_bar[t] for t in range(len(u))])
-    found = learning.learn(u, y, q, beta=beta, q_s=q_s)
+    found = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s)
     np.testing.assert_allclose(found, as_printed, rtol=1e-10, atol=1e-12)
 
 
@@ -294,7 +299,7 @@ def test_learned_torque_is_9_with_the_coefficients_10(seed, n):
 @given(seeds, joints, st.integers(0, 5))
 def test_learned_torque_is_orthogonal_to_what_a_spring_could_exert_11(seed, n, lead):
     u, y, q, beta, q_s = cycle(seed, n)
-    found = learning.learn(u, y, q, beta=beta, q_s=q_s, lead=lead)
+    found = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s, lead=lead)
     q_bar = q - q_s
     rounding = len(q) * np.finfo(float).eps * np.sqrt((u**2).sum(0) + (beta * y**2).sum(0))
     assert (np.abs((found * q_bar).sum(axis=0)) <= rounding * np.sqrt((q_bar**2).sum(0))).all()
@@ -306,8 +311,8 @@ def test_a_torque_that_springs_could_exert_is_not_learned(seed, n):
     """What remains of u does not change when -k (q - q_s) is added to it, whatever k."""
     u, y, q, beta, q_s = cycle(seed, n)
     k = np.random.default_rng(seed).normal(size=n)
-    found = learning.learn(u, y, q, beta=beta, q_s=q_s)
-    sprung = learning.learn(u - k * (q - q_s), y, q, beta=beta, q_s=q_s)
+    found = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s)
+    sprung = learning.learn(u - k * (q - q_s), y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s)
     np.testing.assert_allclose(sprung, found, rtol=1e-10, atol=1e-11)
 
 
@@ -318,23 +323,25 @@ def test_learning_with_lead_reads_the_error_that_many_samples_ahead(seed, n, lea
     u, y, q, beta, q_s = cycle(seed, n)
     ahead = np.array([y[(t + lead) % len(y)] for t in range(len(y))])
     np.testing.assert_array_equal(
-        learning.learn(u, y, q, beta=beta, q_s=q_s, lead=lead),
-        learning.learn(u, ahead, q, beta=beta, q_s=q_s),
+        learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s, lead=lead),
+        learning.learn(u, ahead, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s),
     )
 
 
 def test_learning_of_many_robots_is_that_of_each():
     u, y, q, beta, q_s = cycle(0, 3, robots=(5,))
-    together = learning.learn(u, y, q, beta=beta, q_s=q_s, lead=2)
+    together = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s, lead=2)
     for r in range(5):
-        alone = learning.learn(u[r], y[r], q[r], beta=beta[r], q_s=q_s[r], lead=2)
+        alone = learning.learn(
+            u[r], y[r], q[r], gain=gain_of(beta[r], u.shape[-1]), q_s=q_s[r], lead=2
+        )
         np.testing.assert_array_equal(together[r], alone)
 
 
 def test_a_joint_that_rests_at_q_s_learns_without_dividing_by_zero():
     u, y, q, beta, q_s = cycle(0, 2)
     q[:, 1] = q_s[1]
-    found = learning.learn(u, y, q, beta=beta, q_s=q_s)
+    found = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s)
     np.testing.assert_allclose(found[:, 1], (u - beta * y)[:, 1], rtol=1e-15)
 
 

@@ -16,6 +16,7 @@ mjcf = "two_link.xml"
 
 [[motion]]
 duration = 2.0
+shape = "fourier"
 offset = [-0.3, 0.0]
 sin = [[0.05], [-0.2]]
 """
@@ -120,7 +121,7 @@ def test_a_bad_value_is_refused_in_one_line_that_names_key_value_and_remedy(chan
     [
         ("x = [", ["mine.toml", "not valid TOML"]),
         (SHORT.replace("duration", "duraton"), ["motion.0.duraton", "'duration'"]),
-        ("[[motion]]\nduration = 1\noffset = [0, 0]\n", ["robot", "missing"]),
+        ("[[motion]]\nduration = 2\n", ["robot", "missing"]),
         (SHORT + "[laws]\nbeta = 1\n", ["laws", "unknown key", "law"]),
     ],
 )

@@ -1,0 +1,102 @@
+"""Transfer between two cycles: the spring takes over, the total torque stays as it is."""
+
+import math
+
+import numpy as np
+import pytest
+
+import resonance_mj as rmj
+from resonance_mj import learning, springs
+
+UNBOUNDED = ((-math.inf, math.inf), (-math.inf, math.inf))
+PHYSICAL = ((0.0, math.inf), (-math.pi, math.pi))
+
+
+def cycle(seed, n=3, steps=200):
+    """Signals of a cycle and springs at its end."""
+    rng = np.random.default_rng(seed)
+    phase = 2 * np.pi * np.arange(steps)[:, None] / steps
+    q = rng.normal(size=n) + sum(
+        rng.normal(size=n) * np.sin(h * phase + rng.uniform(0, 6, n)) / h for h in (1, 2, 3)
+    )
+    u, y = rng.normal(size=(2, steps, n))
+    k, offset, center = rng.uniform(0, 5, n), rng.normal(size=n), rng.normal(size=n)
+    return u, y, q, k, offset, center
+
+
+def transfer(signals, bounds=UNBOUNDED, **options):
+    gain = np.diag(np.linspace(0.5, 2.0, signals[0].shape[1]))
+    options = {"gain": gain, "lead": 1, "harmonics": None, "bounds": bounds} | options
+    return learning.transfer(*signals, **options), options
+
+
+@pytest.mark.parametrize("bounds", [UNBOUNDED, PHYSICAL])
+@pytest.mark.parametrize("seed", range(5))
+def test_motor_and_spring_together_exert_what_they_would_have_without_transfer(seed, bounds):
+    u, y, q, k, offset, center = cycle(seed)
+    found, options = transfer((u, y, q, k, offset, center), bounds)
+    learned = u - learning.corrected(y, options["gain"], 1)
+    before = learned + springs.torque(k, offset, q, center)
+    after = found.u + springs.torque(found.stiffness, found.offset, q, found.center)
+    np.testing.assert_allclose(after, before, atol=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_without_bounds_nothing_that_a_spring_could_exert_is_left_to_the_motor(seed):
+    u, y, q, *rest = cycle(seed)
+    found, _ = transfer((u, y, q, *rest))
+    np.testing.assert_allclose(found.u.mean(axis=0), 0, atol=1e-12)
+    np.testing.assert_allclose((found.u * (q - q.mean(axis=0))).mean(axis=0), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_bounded_springs_stay_within_what_they_can_do(seed):
+    found, _ = transfer(cycle(seed), PHYSICAL)
+    k, offset = found.stiffness, found.offset
+    assert (k >= 0).all()
+    assert (np.abs(offset) <= k * math.pi * (1 + 1e-12)).all()
+
+
+def test_bounded_springs_leave_the_least_torque_that_the_bounds_allow():
+    """No other feasible spring would leave less torque², by a search around each joint's."""
+    u, y, q, k, offset, center = cycle(7)
+    found, options = transfer((u, y, q, k, offset, center), PHYSICAL)
+    mean = q.mean(axis=0)
+    total = u - learning.corrected(y, options["gain"], 1) + springs.torque(k, offset, q, center)
+    rng = np.random.default_rng(0)
+    for j in range(len(k)):
+        left = (found.u[:, j] ** 2).mean()
+        for _ in range(500):
+            other = abs(found.stiffness[j] + rng.normal())
+            push = other * rng.uniform(-math.pi, math.pi)
+            tau = total[:, j] - springs.torque(other, push, q[:, j], mean[j])
+            assert (tau**2).mean() >= left - 1e-12
+
+
+def test_low_pass_keeps_the_first_harmonics_in_phase_and_nothing_else():
+    steps = 240
+    phase = 2 * np.pi * np.arange(steps)[:, None] / steps
+    kept = 0.3 + np.sin(3 * phase + 0.4) + 0.2 * np.cos(5 * phase)
+    np.testing.assert_allclose(
+        learning.low_pass(kept + np.sin(6 * phase) + np.cos(40 * phase), 5), kept, atol=1e-12
+    )
+    assert learning.low_pass(kept, None) is kept
+
+
+def test_the_default_law_reaches_the_optimum_of_the_papers_arm_and_stays():
+    """A fixed point of the transfer is the optimum: what is left is orthogonal to q and to 1."""
+    run = rmj.simulate(
+        rmj.load("paper").replace(
+            {
+                "law": {"kind": "transfer"},
+                "motion.0.blend": 1,
+                "motion.0.duration": 25.0,
+                "motion.1.blend": 1,
+                "motion.1.duration": 25.0,
+            }
+        )
+    )
+    for segment in run.summary()["segments"]:
+        assert segment["cycles_to_optimum"] <= 12
+        np.testing.assert_allclose(segment["stiffness"], segment["stiffness_optimal"], rtol=0.02)
+        assert segment["tracking_rms"] < 0.5e-3
