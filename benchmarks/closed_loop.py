@@ -26,10 +26,11 @@ import mujoco
 import numpy as np
 
 import resonance_mj as rmj
-from resonance_mj import controller, learning
+from resonance_mj import controller
 from resonance_mj.callback import installed
 from resonance_mj.memory import Memory
 from resonance_mj.preparation import Prepared, load_law, load_motion, prepare
+from resonance_mj.simulation import between_cycles
 
 COMPILED_TARGET = 1.25
 """Most that the compiled law may cost, as a multiple of the bare loop."""
@@ -66,13 +67,11 @@ class Arm:
 
     def warm_up(self, cycles: int) -> None:
         """Run whole cycles with learning, and keep the state at the end of the last."""
-        law = self.prepared.experiment.law
-        for _ in range(cycles):
+        for cycle in range(cycles):
             mujoco.mj_step(self.model, self.data, self.cycle)
-            q, y, u = (self.memory.recorded(name, self.cycle) for name in ("q", "y", "u"))
-            q_s = self.prepared.q_s[None]
-            new = learning.learn(u, y, q, beta=np.array([law.beta]), q_s=q_s, lead=law.lead)
-            self.memory["learned"][:, : self.cycle] = new
+            between_cycles(self.memory, [0], [self.prepared], cycle)
+            load_motion(self.memory, 0, self.prepared, cycle + 1)
+            self.write_springs()
             self.memory.scalar("step")[:] = 0
         self._state = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, self._state, mujoco.mjtState.mjSTATE_INTEGRATION)

@@ -277,11 +277,16 @@ def stability(cycles: int) -> Iterator[Sequence[str]]:
         )
 
 
+OWN = 50
+"""Harmonics of 1/T that a motion's own torque has."""
+
+
 def loudest(run: rmj.Run) -> float:
-    """Frequency at which the learned torque of the last cycle kept is largest [Hz]."""
+    """Frequency above the motion's own at which the last learned torque kept is largest [Hz]."""
     cycle = run.data["cycle_of_sample"].values
     u = run.data["u"].values[cycle == cycle[-1]]
-    spectrum = np.abs(np.fft.rfft(u - u.mean(axis=0), axis=0)).max(axis=1)
+    spectrum = np.abs(np.fft.rfft(u, axis=0)).max(axis=1)
+    spectrum[:OWN] = 0.0
     return float(spectrum.argmax() / run.experiment.motion[0].period)
 
 

@@ -25,7 +25,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 
 from . import controller, equations, memory, springs, structs
-from .controller import Command, act, begins_step, end_stage, hold, standard
+from .controller import Command, act, begins_step, end_stage, failed, hold, standard
 from .errors import CallbackError
 from .memory import Header, block, matrix
 
@@ -91,7 +91,8 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
         mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
         orientation = data.site_xmat[site].reshape(3, 3)
         act(mem, data.qpos, data.qvel, data.site_xpos[site], orientation, data.ctrl, command)
-    hold(mem, data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
+    if failed(mem):
+        hold(data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
 
 
@@ -147,13 +148,13 @@ def _compile(
                 motors,
                 command,
             )
-        hold(
-            mem,
-            speed,
-            motors,
-            _doubles(_word(data, qfrc_bias), _word(model, nv)),
-            _doubles(_word(data, qfrc_passive), _word(model, nv)),
-        )
+        if failed(mem):
+            hold(
+                speed,
+                motors,
+                _doubles(_word(data, qfrc_bias), _word(model, nv)),
+                _doubles(_word(data, qfrc_passive), _word(model, nv)),
+            )
         end_stage(
             mem,
             _doubles(_word(model, jnt_stiffness), _word(model, njnt)),

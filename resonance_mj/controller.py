@@ -244,19 +244,23 @@ def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np
 
 
 @register_jitable
-def hold(memory: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
-    """Stop the arm, without motors or forces, if the run has failed: what follows is no run.
+def failed(memory: np.ndarray) -> bool:
+    """Whether the run has failed: what follows is no run."""
+    return memory[Header.FAILED_STEP] > 0.0
+
+
+@register_jitable
+def hold(qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
+    """Stop the arm, without motors or forces.
 
     It keeps MuJoCo from integrating, and warning about, numbers that are not finite.
 
     Args:
-        memory: the controller's block.
         qvel: mjData.qvel, written.
         ctrl: mjData.ctrl, written.
         forces: mjData.qfrc_bias and mjData.qfrc_passive, written.
     """
-    if memory[Header.FAILED_STEP] > 0.0:
-        qvel[:] = 0.0
-        ctrl[:] = 0.0
-        for force in forces:
-            force[:] = 0.0
+    qvel[:] = 0.0
+    ctrl[:] = 0.0
+    for force in forces:
+        force[:] = 0.0

@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from .files import replacing
 from .run import Run
@@ -132,6 +132,7 @@ def _draw(run: Run) -> Figure:
             _steady_limits(ax, data, one["tau"].values, one["tau_optimal"].values)
         else:
             _against_optimum(ax, data.sel(joint=of), name)
+        ax.yaxis.set_major_locator(MaxNLocator(nbins=4))
         _legend(ax)
     ax = fig.add_subplot(grid[-1, :])
     ax.set_title("mean of τᵀτ per cycle [N² m²]")
@@ -247,19 +248,19 @@ def _steady_limits(ax: Axes, data: xr.Dataset, *signals: np.ndarray) -> None:
 def _pieces(
     time: np.ndarray, values: np.ndarray, low: float, high: float
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """A signal between two times, cut where cycles were left out, at most 1500 points in all."""
+    """A signal between two times, cut where cycles were left out, at most 800 points in all."""
     inside = np.flatnonzero((time >= low) & (time <= high))
     if not inside.size:
         return
     gap = 1.5 * np.median(np.diff(time[inside])) if inside.size > 1 else np.inf
     for piece in np.split(inside, np.flatnonzero(np.diff(time[inside]) > gap) + 1):
-        thin = piece[:: max(1, inside.size // 1500)]
+        thin = piece[:: max(1, inside.size // 800)]
         yield time[thin], values[thin]
 
 
 def _against_optimum(ax: Axes, data: xr.Dataset, name: str) -> None:
     """An adapted parameter over the whole run, with its optimum dashed."""
-    keep = slice(None, None, max(1, data.sizes["time"] // 1500))
+    keep = slice(None, None, max(1, data.sizes["time"] // 1000))
     ax.plot(data["time"].values[keep], data[name].values[keep], color=MEASURED, label="adapted")
     optimal, starts, ends = (data[key].values for key in (f"{name}_optimal", "start", "end"))
     ax.hlines(optimal, starts, ends, color=OPTIMAL, linestyle="--", label="optimal")
@@ -295,7 +296,7 @@ def _torque_squared(ax: Axes, data: xr.Dataset) -> None:
     ax.plot(cycles, data["torque_squared"].values, "o-", ms=2.5, color=MEASURED, label="measured")
     ax.set_yscale("log")
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.yaxis.set_minor_locator(NullLocator())
     ax.set_xlim(0.5, max(cycles[-1], 2) + 0.5 if cycles.size else 1)
     ax.set_xlabel("cycle", labelpad=1)
     _legend(ax)

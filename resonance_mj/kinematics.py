@@ -76,6 +76,12 @@ class Kinematics:
             q: joint angles to start from (n,) [rad].
             iterations: most steps; without convergence the nearest angles found are returned.
         """
+        return self._solved(x, q, iterations)[0]
+
+    def _solved(
+        self, x: np.ndarray, q: np.ndarray, iterations: int = 200
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joint angles of `solve`, the error that is left (m,) and the Jacobian (m, n) there."""
         error, J = self._error(q, x)
         damping = 1e-12
         for _ in range(iterations):
@@ -91,7 +97,7 @@ class Kinematics:
                 damping = max(10 * damping, 1e-7)
                 if damping > 1e3:
                     break
-        return q
+        return q, error, J
 
     def follow(
         self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float = 10.0
@@ -143,8 +149,7 @@ class Kinematics:
 
         guess = self._unfolded(samples.x[0], start)
         for i in range(steps):
-            q[i] = self.solve(samples.x[i], guess)
-            error, J[i] = self._error(q[i], samples.x[i])
+            q[i], error, J[i] = self._solved(samples.x[i], guess)
             away = np.linalg.norm(error)
             if away > 1e3 * TOLERANCE:
                 raise MotionError(

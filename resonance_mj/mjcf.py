@@ -366,13 +366,29 @@ def _take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
         ("sensors", spec.sensors),
         ("keyframes", spec.keys),
     ):
-        names = [element.name or "unnamed" for element in elements]
+        names = [
+            element.name or "unnamed"
+            for element in elements
+            if kind != "actuators" or not _is_torque_motor(element)
+        ]
         for element in list(elements):
             spec.delete(element)
         if names and kind == "actuators":
             notes.append(f"replaced by torque motors, limits kept: actuators {_listed(names)}")
         elif names and kind not in ("sensors", "keyframes"):
             notes.append(f"taken out: {kind} {_listed(names)}")
+
+
+def _is_torque_motor(actuator: mujoco.MjsActuator) -> bool:
+    """Whether an actuator of the file does what the motor does that takes its place."""
+    return bool(
+        actuator.trntype == mujoco.mjtTrn.mjTRN_JOINT
+        and actuator.gaintype == mujoco.mjtGain.mjGAIN_FIXED
+        and actuator.biastype == mujoco.mjtBias.mjBIAS_NONE
+        and actuator.dyntype == mujoco.mjtDyn.mjDYN_NONE
+        and actuator.gainprm[0] == 1.0
+        and actuator.gear[0] == 1.0
+    )
 
 
 def _hold_off_chain(

@@ -149,7 +149,7 @@ def _simulate(
             if not going:
                 break
             if cycle + 1 < len(schedule):
-                _learn(memory, going, group, cycle)
+                between_cycles(memory, going, group, cycle)
             passed = passing
     return [
         Run(
@@ -165,7 +165,7 @@ def _simulate(
     ]
 
 
-def _learn(memory: Memory, going: list[int], group: list[Prepared], cycle: int) -> None:
+def between_cycles(memory: Memory, going: list[int], group: list[Prepared], cycle: int) -> None:
     """Replace the learned torque of a cycle by that of the next; a passage teaches nothing."""
     for index in going:
         one = group[index]
