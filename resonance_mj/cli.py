@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .experiment import Experiment
     from .inspection import Inspection, Joint
     from .optimal_springs import Optimum
+    from .robot import Robot
     from .run import Run
 
 DONE, NOT_WELL, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -242,7 +243,7 @@ def _optimum(options: argparse.Namespace) -> int:
     arm = robot.build(experiment)
     experiment = resolved(experiment, arm)
     best = along(experiment, arm, follow(experiment, arm))
-    _console().print(_optimum_table(experiment, arm.joints, best))
+    _console().print(_optimum_table(experiment, arm, best))
     return DONE
 
 
@@ -357,22 +358,21 @@ def _summary_table(run: Run) -> Table:
     return table
 
 
-def _optimum_table(experiment: Experiment, joints: tuple[str, ...], best: list[Optimum]) -> Table:
+def _optimum_table(experiment: Experiment, arm: Robot, best: list[Optimum]) -> Table:
     from rich.table import Table
 
     table = Table(title=f"{experiment.name}: optimal springs", title_justify="left", box=None)
     table.add_column("")
     for index in range(len(best)):
         table.add_column(f"motion {index + 1}", justify="right")
-    for j, joint in enumerate(joints):
+    for j, joint in enumerate(arm.joints):
+        k, force, angle = ("N/m", "N", "m") if arm.slides[j] else ("N m/rad", "N m", "rad")
+        table.add_row(f"stiffness {joint} [{k}]", *(_number(b.stiffness[j], 1, 3) for b in best))
+        table.add_row(f"offset {joint} [{force}]", *(_number(b.offset[j], 1, 3) for b in best))
         table.add_row(
-            f"stiffness {joint} [N m/rad]", *(_number(b.stiffness[j], 1, 3) for b in best)
+            f"equilibrium {joint} [{angle}]", *(_number(b.equilibrium[j], 1, 3) for b in best)
         )
-        table.add_row(f"offset {joint} [N m]", *(_number(b.offset[j], 1, 3) for b in best))
-        table.add_row(
-            f"equilibrium {joint} [rad]", *(_number(b.equilibrium[j], 1, 3) for b in best)
-        )
-        table.add_row(f"center {joint} [rad]", *(_number(b.center[j], 1, 3) for b in best))
+        table.add_row(f"center {joint} [{angle}]", *(_number(b.center[j], 1, 3) for b in best))
     table.add_row("cost J_min [N² m² s]", *(_number(b.cost, 1, 3) for b in best))
     table.add_row(
         "cost without springs [N² m² s]", *(_number(b.cost_without_springs, 1, 3) for b in best)
