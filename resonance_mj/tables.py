@@ -1,0 +1,184 @@
+"""What the command line prints: tables of runs, optima and arms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from .experiment import Experiment
+    from .inspection import Inspection, Joint
+    from .optimal_springs import Optimum
+    from .robot import Robot
+    from .run import Run
+
+
+def summary(run: Run) -> Table:
+    """The figures of each motion's last whole cycle beside the optimum's."""
+    segments = run.summary()["segments"]
+    table = _table(f"{run.experiment.name}: last cycle of each motion", len(segments))
+
+    def row(label: str, key: str, scale: float, digits: int, joint: int | None = None) -> None:
+        cells = [label]
+        for segment in segments:
+            for name in (key, f"{key}_optimal"):
+                value = segment.get(name)
+                if isinstance(value, list) and joint is not None:
+                    value = value[joint]
+                cells.append(_number(value, scale, digits) if name in segment else "")
+        table.add_row(*cells)
+
+    row("torque reduction [%]", "torque_reduction", 100, 1)
+    row("mean torque² [N² m²]", "torque_squared", 1, 2)
+    row("  without springs", "torque_squared_without_springs", 1, 2)
+    slides = run.data["slides"].values
+    for joint, name in enumerate(run.data["joint"].values):
+        unit = "N/m" if slides[joint] else "N m/rad"
+        row(f"stiffness {name} [{unit}]", "stiffness", 1, 3, joint)
+    for joint, name in enumerate(run.data["joint"].values):
+        row(f"offset {name} [{'N' if slides[joint] else 'N m'}]", "offset", 1, 3, joint)
+    row("tracking RMS [mm]", "tracking_rms", 1e3, 3)
+    if "rotation_rms" in run.data:
+        row("rotation RMS [mrad]", "rotation_rms", 1e3, 3)
+    reached = [segment["cycles_to_optimum"] for segment in segments]
+    cells = ((str(cycle or "never"), "") for cycle in reached)
+    table.add_row("first cycle at the optimum", *(cell for pair in cells for cell in pair))
+    return table
+
+
+def optimum(experiment: Experiment, arm: Robot, best: list[Optimum]) -> Table:
+    """The best constant springs of each motion and what they leave to the motors."""
+    table = Table(title=f"{experiment.name}: optimal springs", title_justify="left", box=None)
+    table.add_column("")
+    for index in range(len(best)):
+        table.add_column(f"motion {index + 1}", justify="right")
+    for j, joint in enumerate(arm.joints):
+        k, force, angle = ("N/m", "N", "m") if arm.slides[j] else ("N m/rad", "N m", "rad")
+        table.add_row(f"stiffness {joint} [{k}]", *(_number(b.stiffness[j], 1, 3) for b in best))
+        table.add_row(f"offset {joint} [{force}]", *(_number(b.offset[j], 1, 3) for b in best))
+        table.add_row(
+            f"equilibrium {joint} [{angle}]", *(_number(b.equilibrium[j], 1, 3) for b in best)
+        )
+        table.add_row(f"center {joint} [{angle}]", *(_number(b.center[j], 1, 3) for b in best))
+    table.add_row("cost J_min [N² m² s]", *(_number(b.cost, 1, 3) for b in best))
+    table.add_row(
+        "cost without springs [N² m² s]", *(_number(b.cost_without_springs, 1, 3) for b in best)
+    )
+    table.add_row("torque reduction [%]", *(_number(b.torque_reduction, 100, 1) for b in best))
+    return table
+
+
+def joints(title: str, of: list[Joint]) -> Table:
+    """Joints as they are in the MJCF; all are hinges, or all are slides."""
+    angle, torque, inertia = _units(of)
+    table = _table(title, 0)
+    damping = f"{torque} s/{angle}"
+    for heading in (
+        f"home\n[{angle}]",
+        f"range\n[{angle}]",
+        f"damping\n[{damping}]",
+        f"inertia\n[{inertia}]",
+        f"motor limit\n[{torque}]",
+    ):
+        table.add_column(heading, justify="right")
+    for joint in of:
+        table.add_row(
+            joint.name,
+            _number(joint.home, 1, 3),
+            _interval(joint.range),
+            _number(joint.damping, 1, 3),
+            _number(joint.inertia, 1, 4),
+            _interval(joint.torque_limit),
+        )
+    return table
+
+
+def effort(title: str, of: list[Joint]) -> Table:
+    """What a motion asks of joints, beside the limits of their motors."""
+    angle, torque, _ = _units(of)
+    table = _table(title, 0)
+    for heading in (
+        f"peak speed\n[{angle}/s]",
+        f"peak torque\nwithout springs [{torque}]",
+        "of the limit\n[%]",
+        f"with the best\nsprings [{torque}]",
+    ):
+        table.add_column(heading, justify="right")
+    for joint in of:
+        limited = any(map(math.isfinite, joint.torque_limit))
+        table.add_row(
+            joint.name,
+            _number(joint.peak_speed, 1, 3),
+            _number(joint.peak_torque, 1, 3),
+            _number(joint.share if limited else None, 100, 0),
+            _number(joint.peak_torque_with_springs, 1, 3),
+        )
+    return table
+
+
+def tools(found: Inspection) -> Table:
+    """The sites and bodies that could follow the motion."""
+    table = _table("what could be the tool", 0)
+    for heading in ("kind", "on body", "chosen"):
+        table.add_column(heading)
+    for tool in found.tools:
+        chosen = found.tool_reason if tool == found.tool else ""
+        table.add_row(tool.name, tool.kind, tool.body, chosen)
+    return table
+
+
+def suggestion(found: Inspection) -> Table:
+    """The motion and gains that an arm gets where its user gives none."""
+    motion, law, gains = found.experiment.motion[0], found.experiment.law, found.gains
+    least, most = found.conditioning.min(), found.conditioning.max()
+    table = _table("suggested motion and gains", 0)
+    table.add_column("")
+    table.show_header = False
+    for label, value in (
+        ("reach, stretched out [m]", _number(found.reach, 1, 3)),
+        ("task", ", ".join(found.axes)),
+        ("motion", f"{motion.shape} in {', '.join(dict.fromkeys(motion.plane or ()))}"),
+        ("  center [m]", _listed(motion.center)),
+        ("  half sizes [m]", _listed(motion.size)),
+        ("  period T [s]", f"{motion.period:g}"),
+        ("  smallest / largest singular value of J", f"{least:.3f} to {most:.3f}"),
+        ("  torque reduction with the best springs [%]", _number(found.torque_reduction, 100, 1)),
+        ("feedback bandwidth omega [1/s]", f"{gains.omega:g}"),
+        ("share eta that is learned in a cycle", f"{law.eta:g}"),
+        ("lead [control periods]", str(gains.lead)),
+        ("harmonics of 1/T that are learned", str(gains.harmonics or "all")),
+    ):
+        table.add_row(label, value)
+    return table
+
+
+def _units(joints: list[Joint]) -> tuple[str, str, str]:
+    """Units of angle, torque and inertia of hinges, or of what they are for slides."""
+    return ("m", "N", "kg") if joints[0].slides else ("rad", "N m", "kg m²")
+
+
+def _interval(ends: tuple[float, float] | None) -> str:
+    if ends is None or not any(map(math.isfinite, ends)):
+        return "none"
+    return f"{ends[0]:.4g} to {ends[1]:.4g}"
+
+
+def _listed(values: Sequence[float] | None) -> str:
+    return ", ".join(f"{value:.3f}" for value in values or ())
+
+
+def _table(title: str, motions: int) -> Table:
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("")
+    for index in range(motions):
+        table.add_column(f"motion {index + 1}", justify="right")
+        table.add_column("optimum", justify="right", style="dim")
+    return table
+
+
+def _number(value: float | None, scale: float, digits: int) -> str:
+    return "-" if value is None else f"{value * scale:.{digits}f}"
