@@ -4,6 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .certificates import certify
+    from .claims import Certificate, Certificates
     from .errors import ResonanceError
     from .experiment import Experiment, load
     from .optimal_springs import Optimum, optimum
@@ -11,6 +13,9 @@ if TYPE_CHECKING:
     from .simulation import simulate, simulate_many
 
 _HOMES = {
+    "Certificate": "claims",
+    "Certificates": "claims",
+    "certify": "certificates",
     "ResonanceError": "errors",
     "Experiment": "experiment",
     "load": "experiment",
@@ -23,11 +28,14 @@ _HOMES = {
 }
 
 __all__ = [
+    "Certificate",
+    "Certificates",
     "Experiment",
     "Optimum",
     "ResonanceError",
     "Run",
     "Status",
+    "certify",
     "load",
     "optimum",
     "simulate",

@@ -70,6 +70,9 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--interpret", action="store_true", help="run the law as plain Python, for a debugger"
     )
+    run.add_argument(
+        "--certify", action="store_true", help="check on the run what the stability proof claims"
+    )
     run.epilog = _KEYS
 
     optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
@@ -91,6 +94,14 @@ def _parser() -> argparse.ArgumentParser:
     plot = _command(commands, "plot", _plot, "draw the figure of a run again")
     plot.add_argument("run", metavar="RUN", type=Path, help="a run's folder, such as runs/paper")
     plot.add_argument("--out", metavar="FOLDER", type=Path, help="where to write; the run's folder")
+
+    certify = _command(
+        commands, "certify", _certify, "check on a saved run what the stability proof claims"
+    )
+    certify.add_argument("run", metavar="RUN", type=Path, help="a run's folder, such as runs/paper")
+    certify.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="where to draw; the run's folder"
+    )
 
     _command(commands, "list", _list, "the experiments and robots that come with the program")
     _command(commands, "keys", _keys, "every key of an experiment, with unit and default")
@@ -186,6 +197,8 @@ def _run(options: argparse.Namespace) -> int:
 
         written += [path.name for path in figures.save(figures.figure(run), folder)]
     console.print(tables.summary(run))
+    if options.certify:
+        written += _certified(run, folder, console)
     if run.data.attrs["thinned"]:
         kept = len(set(run.data["cycle_of_sample"].values.tolist()))
         console.print(
@@ -279,6 +292,28 @@ def _plot(options: argparse.Namespace) -> int:
     for path in figures.save(figures.figure(run), writable(options.out or options.run)):
         print(path)
     return DONE
+
+
+def _certify(options: argparse.Namespace) -> int:
+    from .files import writable
+    from .run import Run
+
+    run, console = Run.load(options.run), _console()
+    folder = writable(options.out or options.run)
+    for name in _certified(run, folder, console):
+        console.print(folder / name, soft_wrap=True)
+    return DONE
+
+
+def _certified(run: Run, folder: Path, console: Console) -> list[str]:
+    """Print and draw a run's certificates; the names of the files that were written."""
+    from . import certificate_figure, figures, tables
+    from .certificates import certify
+
+    found = certify(run)
+    drawn = figures.save(certificate_figure.figure(found), folder, "certificates")
+    console.print(tables.certificates(found))
+    return [path.name for path in drawn]
 
 
 def _list(options: argparse.Namespace) -> int:

@@ -78,8 +78,8 @@ class Simulation(_Model):
     gravity: tuple[Finite, Finite, Finite] | None = None
     """[m/s^2]; the model's own if not given."""
     samples: Annotated[int, Field(gt=0)] = 200_000
-    """About how many time samples are kept in the run; beyond it whole cycles are left out, but
-    never the first and the last of a motion."""
+    """About how many time samples are kept in the run; beyond it whole cycles are left out, and
+    pairs of cycles in a row are kept, the first two and the last two of a motion among them."""
 
     @field_validator("integrator")
     @classmethod

@@ -17,6 +17,9 @@ from .experiment import Experiment, Springs
 from .kinematics import JointMotion, Kinematics
 from .robot import Robot, build
 
+STILL = 1e-20
+"""Variance below which a joint stands still and needs no stiffness, only an offset [rad^2]."""
+
 
 @dataclass(frozen=True)
 class Optimum:
@@ -150,8 +153,7 @@ def best_springs(
     z = q - mean
     variance = (z**2).mean(axis=0)
     level = torque.mean(axis=0)
-    # A joint that stands still needs no stiffness, only an offset.
-    moves = variance > 1e-20
+    moves = variance > STILL
     slope = np.divide((z * torque).mean(axis=0), variance, out=np.zeros_like(mean), where=moves)
 
     stiffness, offset, equilibrium = np.empty_like(mean), np.empty_like(mean), np.empty_like(mean)

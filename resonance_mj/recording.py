@@ -252,15 +252,22 @@ class Recording:
 
 
 def _kept(experiment: Experiment) -> set[int]:
-    """Cycles whose samples are kept: all, or whole ones spread over each motion with both ends."""
+    """Cycles whose samples are kept: all, or pairs in a row over each motion with both ends.
+
+    What is learned from a cycle shows in the next.
+    """
     dt, budget = experiment.simulation.timestep, experiment.simulation.samples
     total = sum(motion.cycles * motion.steps(dt) for motion in experiment.motion)
     share = min(1.0, budget / total)
     kept: set[int] = set()
     first = 0
     for motion in experiment.motion:
-        count = min(motion.cycles, max(2, int(share * motion.cycles)))
-        kept.update(first + np.linspace(0, motion.cycles - 1, count).round().astype(int))
+        pairs = max(4, int(share * motion.cycles)) // 2
+        if share == 1.0 or 2 * pairs >= motion.cycles:
+            kept.update(range(first, first + motion.cycles))
+        else:
+            begins = first + np.linspace(0, motion.cycles - 2, pairs).round().astype(int)
+            kept.update(begins, begins + 1)
         first += motion.cycles
     return {int(cycle) for cycle in kept}
 

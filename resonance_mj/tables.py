@@ -6,10 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
 from rich import box
 from rich.table import Table
 
 if TYPE_CHECKING:
+    from .claims import Certificates
     from .experiment import Experiment
     from .inspection import Inspection, Joint
     from .optimal_springs import Optimum
@@ -70,6 +72,48 @@ def optimum(experiment: Experiment, arm: Robot, best: list[Optimum]) -> Table:
     )
     table.add_row("torque reduction [%]", *(_number(b.torque_reduction, 100, 1) for b in best))
     return table
+
+
+def certificates(found: Certificates) -> Table:
+    """What the stability proof claims and whether it holds, motion by motion.
+
+    Below (22) stand the first, the lowest and the last N, and the cycle of the lowest.
+    """
+    table = _table(f"{found.name}: certificates", 0)
+    table.add_column("worst", justify="right")
+    table.add_column("needed", justify="right")
+    table.add_column("in cycle")
+    table.add_column("verdict, cycles")
+    for item in found.items:
+        if item.claim.equation == "(9)":
+            table.add_row(f"motion {item.motion}", style="bold")
+        label = f"{item.claim.equation} {item.claim.text}"
+        if item.claim.equation == "(15)":
+            label += f" [{found.unit}]"
+        if item.worst is None:
+            table.add_row(f"{item.claim.equation} not judged: {item.note}")
+            continue
+        worst = f"{item.worst:.3g}" if abs(item.worst) > 1e-3 else f"{item.worst:.1e}"
+        bad = item.cycles[item.fails] if item.cycles.size else item.cycles
+        verdict = f"holds {_ranges(item.cycles)}" if item.holds else f"fails {_ranges(bad)}"
+        table.add_row(label, worst, item.claim.needed, item.where, verdict)
+        if item.claim.equation == "(22)":
+            lowest = int(item.values.argmin())
+            through = dict.fromkeys((0, lowest, len(item.values) - 1))
+            N = ", ".join(f"{item.values[at]:.3g}" for at in through)
+            table.add_row(f"     N {N} J", "", "", str(item.cycles[lowest]))
+    return table
+
+
+def _ranges(cycles: np.ndarray) -> str:
+    """Numbers of cycles as ranges, as 1-39 or, where many are missing, 99 of 1-400."""
+    if not cycles.size:
+        return ""
+    gaps = np.flatnonzero(np.diff(cycles) != 1)
+    if gaps.size > 2:
+        return f"{cycles.size} of {cycles[0]}-{cycles[-1]}"
+    parts = np.split(cycles, gaps + 1)
+    return ", ".join(f"{p[0]}-{p[-1]}" if p.size > 1 else f"{p[0]}" for p in parts)
 
 
 def joints(title: str, of: list[Joint]) -> Table:
