@@ -93,10 +93,10 @@ def certificates(found: Certificates) -> Table:
         if item.worst is None:
             table.add_row(f"{item.claim.equation} not judged: {item.note}")
             continue
-        worst = f"{item.worst:.3g}" if abs(item.worst) > 1e-3 else f"{item.worst:.1e}"
+        form = {"(15)": ".3g", "(22)": ".4f"}.get(item.claim.equation, ".1e")
         bad = item.cycles[item.fails] if item.cycles.size else item.cycles
         verdict = f"holds {_ranges(item.cycles)}" if item.holds else f"fails {_ranges(bad)}"
-        table.add_row(label, worst, item.claim.needed, item.where, verdict)
+        table.add_row(label, f"{item.worst:{form}}", item.claim.needed, item.where, verdict)
         if item.claim.equation == "(22)":
             lowest = int(item.values.argmin())
             through = dict.fromkeys((0, lowest, len(item.values) - 1))

@@ -28,9 +28,9 @@ def centered(first, second, **changes):
 
 
 @functools.cache
-def short(lead):
-    """Both motions of the paper for a few cycles, at a lead."""
-    return rmj.simulate(centered(CYCLES, CYCLES, law__lead=lead))
+def short(lead, beta=1.0):
+    """Both motions of the paper for a few cycles."""
+    return rmj.simulate(centered(CYCLES, CYCLES, law__lead=lead, law__beta=beta))
 
 
 @functools.cache
@@ -200,25 +200,43 @@ def test_n_and_c_7_are_those_of_the_paper_s_arm_in_closed_form(motion, lead):
 # What the proof says
 
 
-@pytest.mark.parametrize("lead", [0, 1])
-def test_n_changes_by_exactly_what_the_proof_adds_up(lead):
-    """(14) and (23) without their inequalities, from what was recorded and β = 1."""
-    run = short(lead)
+@pytest.mark.parametrize(("lead", "beta"), [(0, 1.0), (1, 1.0), (1, 2.0)])
+def test_n_changes_by_exactly_what_the_proof_adds_up(lead, beta):
+    """(14) and (23) without their inequalities, from what was recorded."""
+    run = short(lead, beta)
     found = rmj.certify(run)
     optima = rmj.optimum(run.experiment)
+    q_s = optima[0].q.mean(axis=0)
     for motion, best in enumerate(optima, start=1):
         N, c_7 = values(found, "(22)", motion), values(found, "(15)", motion)
         for number in c_7:
             now = cycle(run, number)
-            y = np.roll(now["y"], -lead, axis=0)
-            q_bar = now["q"] - optima[0].q.mean(axis=0)
-            forgotten = learning.spring_like_part(now["u"] - y, q_bar) * q_bar
-            third = 2 * dot(best.torque, forgotten) - dot(forgotten, forgotten)
-            change = (1 - 2 * c_7[number]) * dot(y, y) + third
+            y, q_bar = np.roll(now["y"], -lead, axis=0), now["q"] - q_s
+            dropped = learning.spring_like_part(now["u"] - beta * y, q_bar) * q_bar
+            third = 2 * dot(best.torque, dropped) - dot(dropped, dropped)
+            change = -2 * (c_7[number] - beta / 2) * dot(y, y) + third / beta
             assert N[number + 1] - N[number] == pytest.approx(change, rel=1e-9, abs=1e-9)
             # What the optimum's orthogonality leaves of the third term is of second order in Δq.
             away = (best.torque * (now["q"] - best.q)).sum(axis=0) * 1e-3
             assert third <= (away**2 / (q_bar**2).sum(axis=0) / 1e-3).sum() + 1e-12
+
+
+def test_transfer_leaves_only_a_product_of_errors_beside_what_is_learned():
+    """Δu(t+T) = Δu - L y⁺ + (K_{i+1} - K_i) Δq, Δu from what the motion needs beside the springs."""
+    changes = {"law__kind": "transfer", "law__gamma_k": 0.0, "law__gamma_qe": 0.0}
+    run = rmj.simulate(centered(4, 1, **changes, law__harmonics=500, law__beta=2.0))
+    best = rmj.optimum(run.experiment)[0]
+
+    def error(now, center):
+        spring = springs.torque(now["stiffness"][0], now["offset"][0], best.q, center)
+        return now["u"] + spring - best.torque_without_springs
+
+    centers = run.data["center"].values[::1000]
+    for number in (1, 2, 3):
+        now, then = cycle(run, number), cycle(run, number + 1)
+        handed = (then["stiffness"][0] - now["stiffness"][0]) * (now["q"] - best.q)
+        wanted = error(now, centers[number - 1]) - 2.0 * np.roll(now["y"], -1, axis=0) + handed
+        np.testing.assert_allclose(error(then, centers[number]), wanted, atol=1e-10)
 
 
 @pytest.mark.parametrize("run", [lambda: short(0), lambda: short(1), transferred])
