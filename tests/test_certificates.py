@@ -19,6 +19,12 @@ from resonance_mj.orthogonality import untaken
 ALPHA, K_V, K_P = 10.0, 200.0, 2000.0
 GAMMA_K, GAMMA_QE = np.array([50.0, 5.0]), np.array([150.0, 10.0])
 CYCLES = 6
+TRANSFER = {
+    "law__kind": "transfer",
+    "law__lead": 1,
+    "law__gamma_k": 0.0,
+    "law__gamma_qe": 0.0,
+}
 
 
 def centered(first, second, **changes):
@@ -40,8 +46,7 @@ def diverging():
 
 @functools.cache
 def transferred():
-    changes = {"law__kind": "transfer", "law__gamma_k": 0.0, "law__gamma_qe": 0.0}
-    return rmj.simulate(centered(CYCLES, CYCLES, **changes))
+    return rmj.simulate(centered(CYCLES, CYCLES, **TRANSFER))
 
 
 @functools.cache
@@ -222,9 +227,8 @@ def test_n_changes_by_exactly_what_the_proof_adds_up(lead, beta):
 
 
 def test_transfer_leaves_only_a_product_of_errors_beside_what_is_learned():
-    """Δu(t+T) = Δu - L y⁺ + (K_{i+1} - K_i) Δq, Δu from what the motion needs beside the springs."""
-    changes = {"law__kind": "transfer", "law__gamma_k": 0.0, "law__gamma_qe": 0.0}
-    run = rmj.simulate(centered(4, 1, **changes, law__harmonics=500, law__beta=2.0))
+    """Δu(t+T) = Δu - L y⁺ + (K_{i+1} - K_i) Δq, Δu from what the motion needs of the motors."""
+    run = rmj.simulate(centered(4, 1, **TRANSFER, law__harmonics=500, law__beta=2.0))
     best = rmj.optimum(run.experiment)[0]
 
     def error(now, center):
