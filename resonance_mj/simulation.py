@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 
 import mujoco
-import numpy as np
 
 from . import controller, learning
 from .callback import installed, refuse_another
@@ -122,8 +121,11 @@ def _simulate(
         for cycle, segment in enumerate(schedule):
             steps = group[0].steps(segment)
             passing = group[0].blending(cycle) is not None
-            if cycle == 0 or segment != schedule[cycle - 1] or passing or passed:
-                for index in going:
+            begins = cycle == 0 or segment != schedule[cycle - 1]
+            for index in going:
+                if begins:
+                    stepper.models[index] = group[index].loaded[segment].model
+                if begins or passing or passed:
                     load_motion(memory, index, group[index], cycle)
             began = time.perf_counter()
             memory.scalar("step")[:] = 0
@@ -171,35 +173,22 @@ def between_cycles(memory: Memory, going: list[int], group: list[Prepared], cycl
         one = group[index]
         now = one.steps(one.schedule[cycle])
         following = one.steps(one.schedule[cycle + 1])
-        q, y, u = (memory.recorded(name, now)[index] for name in ("q", "y", "u"))
-        chosen, bounds = one.gains, one.experiment.springs
-        if one.blending(cycle) is not None:
-            learned = u
-        elif one.experiment.law.kind == "paper":
-            learned = learning.learn(
-                u, y, q, gain=chosen.learning, q_s=memory["q_s"][index], lead=chosen.lead
+        learned = memory.recorded("u", now)[index]
+        if one.blending(cycle) is None:
+            done = learning.Cycle(
+                u=learned,
+                y=memory.recorded("y", now)[index],
+                q=memory.recorded("q", now)[index],
+                q_desired=memory["q_desired"][index, :now],
+                stiffness=memory["stiffness"][index],
+                offset=memory["offset"][index],
+                center=memory["q_c"][index],
+                q_s=memory["q_s"][index],
             )
-        else:
-            springs = [memory[name][index] for name in ("stiffness", "offset", "q_c")]
-            taken: Sequence[np.ndarray]
-            if one.law.learn is not None:
-                parameters = np.array(one.experiment.law.parameters)
-                copies = tuple(part.copy() for part in (u, y, q, *springs))
-                taken = one.law.learned(copies, parameters)
-            else:
-                taken = learning.transfer(
-                    u,
-                    y,
-                    q,
-                    *springs,
-                    gain=chosen.learning,
-                    lead=chosen.lead,
-                    harmonics=chosen.harmonics,
-                    bounds=(bounds.stiffness, bounds.equilibrium),
-                )
-            learned = taken[0]
-            for view, value in zip(springs, taken[1:], strict=True):
-                view[:] = value
+            learned, stiffness, offset, center = one.law.between(done, one.gains, one.experiment)
+            memory["stiffness"][index] = stiffness
+            memory["offset"][index] = offset
+            memory["q_c"][index] = center
         memory["learned"][index, :following] = learning.resample(learned, following)
 
 
@@ -221,7 +210,7 @@ def _what_diverged(
     tries = f"a shorter simulation.timestep (now {dt:g} s)"
     if cycle == 0:
         tries = f"smaller law.k_v and law.k_p or {tries}"
-        if one.gains.feedback.any():
+        if one.experiment.law.k_v is None and one.experiment.law.k_p is None:
             tries = f"a smaller law.omega (now {one.gains.omega:g} 1/s) or {tries}"
     else:
         law = one.experiment.law
