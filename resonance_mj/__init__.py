@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .comparison import Comparison, compare
     from .errors import ResonanceError
     from .experiment import Experiment, load
     from .optimal_springs import Optimum, optimum
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
     from .simulation import simulate, simulate_many
 
 _HOMES = {
+    "Comparison": "comparison",
+    "compare": "comparison",
     "ResonanceError": "errors",
     "Experiment": "experiment",
     "load": "experiment",
@@ -23,11 +26,13 @@ _HOMES = {
 }
 
 __all__ = [
+    "Comparison",
     "Experiment",
     "Optimum",
     "ResonanceError",
     "Run",
     "Status",
+    "compare",
     "load",
     "optimum",
     "simulate",

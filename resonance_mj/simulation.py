@@ -67,7 +67,7 @@ def simulate_many(
     Args:
         experiments: what to simulate.
         threads: how many to use; 0 for all cores.
-        progress: called after each cycle with the cycles done and the cycles in all.
+        progress: called after each cycle with the cycles done and the cycles in all experiments.
 
     Returns:
         The runs, in the order of the experiments.
@@ -82,19 +82,19 @@ def simulate_many(
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, one in enumerate(prepared):
         groups.setdefault(one.fits_with, []).append(index)
-    total = sum(len(prepared[members[0]].schedule) for members in groups.values())
+    total = sum(len(one.schedule) for one in prepared)
     done = 0
 
     def count(cycles: int, _: int) -> None:
         if progress:
-            progress(done + cycles, total)
+            progress(done + cycles * len(members), total)
 
     runs: dict[int, Run] = {}
     for members in groups.values():
         group = [prepared[index] for index in members]
         found = _simulate(group, lambda models: Together(models, threads), False, count)
         runs.update(zip(members, found, strict=True))
-        done += len(group[0].schedule)
+        done += len(group[0].schedule) * len(members)
     return [runs[index] for index in range(len(prepared))]
 
 

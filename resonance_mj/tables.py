@@ -10,6 +10,7 @@ from rich import box
 from rich.table import Table
 
 if TYPE_CHECKING:
+    from .comparison import Comparison
     from .experiment import Experiment
     from .inspection import Inspection, Joint
     from .optimal_springs import Optimum
@@ -69,6 +70,51 @@ def optimum(experiment: Experiment, arm: Robot, best: list[Optimum]) -> Table:
         "cost without springs [N² m² s]", *(_number(b.cost_without_springs, 1, 3) for b in best)
     )
     table.add_row("torque reduction [%]", *(_number(b.torque_reduction, 100, 1) for b in best))
+    return table
+
+
+def comparison(found: Comparison) -> Table:
+    """Every law on every motion, in the motion's last cycle, and what became of it in the end."""
+    rows, motions = found.rows(), found.experiment.motion
+    table = Table(
+        title=f"{found.experiment.name}: last cycle of each motion",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=0,
+        caption="The best: the optimum of constant springs. Cycles to the best: the first from which "
+        "torque² stays within 5 % of it. Energy: of a cycle, the sum over joints of ∫|τ q̇| dt.",
+        caption_justify="left",
+    )
+    table.add_column("", no_wrap=True)
+    for heading in (
+        "reduc-\ntion\n[%]",
+        "of the\nbest\n[%]",
+        "cycles\nto the\nbest",
+        "track-\ning\n[mm]",
+        "peak\ntorque\n[N m]",
+        "energy\n\n[J]",
+    ):
+        table.add_column(heading, justify="right", no_wrap=True)
+    if found.long:
+        cycles = next(iter(found.long.values())).experiment.motion[-1].cycles
+        table.add_column(f"torque² over\n{cycles} cycles\nof motion {len(motions)}", no_wrap=True)
+    for number in range(1, len(motions) + 1):
+        mine = [row for row in rows if row["motion"] == number]
+        best = mine[-1]["torque_reduction_optimal"]
+        table.add_section()
+        table.add_row(f"motion {number}: the best", _number(best, 100, 1), "100.0", style="bold")
+        for row in mine:
+            table.add_row(
+                row["title"],
+                _number(row["torque_reduction"], 100, 1),
+                _number(row["share"], 100, 1),
+                str(row["cycles_to_optimum"] or "never"),
+                _number(row["tracking_rms"], 1e3, 3),
+                _number(row["peak_torque"], 1, 2),
+                _number(row["energy"], 1, 2),
+                row["long_run"],
+            )
     return table
 
 
