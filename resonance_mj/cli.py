@@ -261,7 +261,7 @@ def _compare(options: argparse.Namespace) -> int:
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
     console = _console()
-    with _bar(f"{experiment.name}, {len(comparison.CONTENDERS)} laws", None, console) as show:
+    with _bar(f"{experiment.name}: all laws", None, console) as show:
         found = comparison.compare(experiment, long=options.long, progress=show)
     found.save(folder)
     figures.save(comparison_figure.figure(found), folder, "compare")

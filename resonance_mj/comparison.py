@@ -1,11 +1,10 @@
-"""The laws that users compare, on one experiment: what each is, and how good and lasting it is."""
+"""The laws that users compare, on one experiment: how good each is, and whether it lasts."""
 
 from __future__ import annotations
 
 import csv
 import json
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,93 +12,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import metrics
+from .contenders import contending
 from .errors import ExperimentError
 from .experiment import Experiment
 from .files import replacing, writable
-from .robot import build
 from .run import Run, Status
 from .simulation import Progress, simulate_many
-
-Changes = dict[str, Any]
-
-STIFFNESS_RATE, OFFSET_RATE = 200.0, 500.0
-"""Γ_k and Γ_qe per inertia [1/(rad² s²), 1/s²], where none are given: the paper's on its arm."""
 
 SHORTEST = 20
 """Fewest cycles of the last motion that say whether a law lasts."""
 
 STEADY = 0.05
 """Relative spread of torque² over the second half of a long run up to which it counts as held."""
-
-
-class Contender(NamedTuple):
-    """A law to compare: an experiment's, but for some keys."""
-
-    name: str
-    """Of its folder."""
-    title: str
-    changes: Callable[[Experiment], Changes]
-
-
-def _always(**changes: Any) -> Callable[[Experiment], Changes]:
-    return lambda experiment: {f"law.{key}": value for key, value in changes.items()}
-
-
-def _without_springs(kind: str) -> Callable[[Experiment], Changes]:
-    return lambda experiment: {
-        "law.kind": kind,
-        "law.lead": None,
-        "law.harmonics": None,
-        "springs.initial_stiffness": 0.0,
-        "springs.initial_equilibrium": 0.0,
-    }
-
-
-def _printed(**changes: Any) -> Callable[[Experiment], Changes]:
-    """A law of the authors', with adaptation gains for experiments that have none."""
-
-    def of(experiment: Experiment) -> Changes:
-        law, found = experiment.law, {"lead": 0, "harmonics": None, **changes}
-        if not np.any(law.gamma_k) and not np.any(law.gamma_qe):
-            inertia = np.diag(build(experiment).inertia)
-            found["gamma_k"] = (STIFFNESS_RATE * inertia).tolist()
-            found["gamma_qe"] = (OFFSET_RATE * inertia).tolist()
-        return {f"law.{key}": value for key, value in found.items()}
-
-    return of
-
-
-def _transfer(experiment: Experiment) -> Changes:
-    """Its own settings where the experiment has the law; else what lead and low-pass allow."""
-    law = experiment.law
-    if law.kind == "transfer":
-        return {}
-    changes = {
-        "kind": "transfer",
-        "jacobian": None,
-        "beta": None if law.beta is None else 10 * law.beta,
-        "gamma_k": 0.0,
-        "gamma_qe": 0.0,
-        "lead": 2,
-        "harmonics": None,
-    }
-    return {f"law.{key}": value for key, value in changes.items()}
-
-
-CONTENDERS = (
-    Contender("feedback", "feedback only", _without_springs("feedback")),
-    Contender("learning", "learning only", _without_springs("learning")),
-    Contender("fixed", "optimal springs", _always(kind="fixed", lead=None, harmonics=None)),
-    Contender(
-        "joint-space", "joint space [4]", _printed(kind="joint-space", q_c="mean", q_s="mean")
-    ),
-    Contender("printed", "as printed", _printed(kind="paper", jacobian=None)),
-    Contender("printed-transpose", "as printed, Jᵀ", _printed(kind="paper", jacobian="transpose")),
-    Contender("printed-lead", "as printed, lead 1", _printed(kind="paper", jacobian=None, lead=1)),
-    Contender("transfer", "transfer", _transfer),
-    Contender("computed-torque", "computed torque", _always(kind="computed-torque")),
-)
-"""What is compared, from the law that knows least to the one that knows all."""
 
 
 class Verdict(NamedTuple):
@@ -129,13 +53,13 @@ class Comparison:
 
     Attributes:
         experiment: what was compared, with its own law.
-        contenders: the laws, in order.
+        titles: what each law is called, by its name.
         runs: the experiment under each law, by its name.
         long: the same with the last motion repeated long; empty if none was asked for.
     """
 
     experiment: Experiment
-    contenders: tuple[Contender, ...]
+    titles: dict[str, str]
     runs: dict[str, Run]
     long: dict[str, Run]
 
@@ -148,9 +72,9 @@ class Comparison:
         long_run in the last motion's. None for what a run that diverged did not reach.
         """
         return [
-            {"law": contender.name, "title": contender.title, **figures}
-            for contender in self.contenders
-            for figures in self._of(contender.name)
+            {"law": name, "title": title, **figures}
+            for name, title in self.titles.items()
+            for figures in self._of(name)
         ]
 
     def verdict(self, name: str) -> Verdict | None:
@@ -238,17 +162,15 @@ def compare(
         raise ExperimentError(
             f"long = {long}: 0 for no long run, or at least {SHORTEST} cycles of the last motion"
         )
-    contenders: tuple[Contender, ...] = CONTENDERS
-    if experiment.law.kind.endswith(".py"):
-        contenders += (Contender("own", Path(experiment.law.kind).name, _always()),)
-    found = {one.name: experiment.replace(one.changes(experiment)) for one in contenders}
-    lasting = {name: _lengthened(one, long) for name, one in found.items()} if long else {}
-    runs = simulate_many([*found.values(), *lasting.values()], threads=threads, progress=progress)
+    laws, each = zip(*contending(experiment), strict=True)
+    names = [law.name for law in laws]
+    lasting = [_lengthened(one, long) for one in each] if long else []
+    runs = simulate_many([*each, *lasting], threads=threads, progress=progress)
     return Comparison(
         experiment=experiment,
-        contenders=contenders,
-        runs=dict(zip(found, runs, strict=False)),
-        long=dict(zip(lasting, runs[len(found) :], strict=True)),
+        titles={law.name: law.title for law in laws},
+        runs=dict(zip(names, runs[: len(each)], strict=True)),
+        long=dict(zip(names, runs[len(each) :], strict=False)),
     )
 
 

@@ -133,11 +133,11 @@ def _motions(ax: Axes, comparison: Comparison) -> None:
 def _legend(drawn: Figure, comparison: Comparison, left: float, top: float) -> None:
     """Every law, and below its name what became of it in the long run."""
     handles, labels = [], []
-    for contender in comparison.contenders:
-        colour, dashes, width = LINES[contender.name]
+    for name, title in comparison.titles.items():
+        colour, dashes, width = LINES[name]
         handles.append(Line2D([], [], color=colour, linestyle=dashes, linewidth=width))
-        verdict = comparison.verdict(contender.name)
-        labels.append(contender.title + (f"\n{verdict}" if verdict else ""))
+        verdict = comparison.verdict(name)
+        labels.append(title + (f"\n{verdict}" if verdict else ""))
     drawn.legend(
         handles,
         labels,

@@ -82,8 +82,8 @@ def comparison(found: Comparison) -> Table:
         box=box.SIMPLE_HEAD,
         pad_edge=False,
         padding=0,
-        caption="The best: the optimum of constant springs. Cycles to the best: the first from which "
-        "torque² stays within 5 % of it. Energy: of a cycle, the sum over joints of ∫|τ q̇| dt.",
+        caption="The best: the optimum of constant springs. Cycles to the best: the first from "
+        "which torque² stays within 5 % of it. Energy: the sum over joints of ∫|τ q̇| dt.",
         caption_justify="left",
     )
     table.add_column("", no_wrap=True)
