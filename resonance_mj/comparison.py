@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from . import metrics
 from .contenders import contending
@@ -93,14 +94,19 @@ class Comparison:
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Write compare.json, compare.csv, and each law's run into a folder of its own.
 
+        Of the long runs, long.nc holds torque² and tracking RMS per cycle.
+
         Raises:
             OutputError: a folder cannot be written.
         """
         folder = writable(folder)
         for name, run in self.runs.items():
             run.save(folder / name)
-        for name, run in self.long.items():
-            run.save(folder / name / "long")
+        if self.long:
+            kept = [run.data[["torque_squared", "tracking_rms"]] for run in self.long.values()]
+            law = xr.DataArray(list(self.long), dims="law", name="law")
+            with replacing(folder / "long.nc") as path:
+                xr.concat(kept, law, join="outer").to_netcdf(path, engine="h5netcdf")
         rows = self.rows()
         with replacing(folder / "compare.json") as path:
             path.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -113,8 +113,16 @@ class Prepared:
         )
 
 
-def prepare(experiment: Experiment) -> Prepared:
+Followed = dict[tuple[object, ...], list[JointMotion]]
+"""Joint motions by all that they depend on."""
+
+
+def prepare(experiment: Experiment, followed: Followed | None = None) -> Prepared:
     """Load the robot, find the joint motions and their optimum.
+
+    Args:
+        experiment: what to prepare.
+        followed: joint motions of experiments before, taken from here and added here.
 
     Raises:
         ExperimentError: a list in the experiment is not as long as the arm or the task needs.
@@ -124,7 +132,11 @@ def prepare(experiment: Experiment) -> Prepared:
     law = laws.load(experiment.law.kind)
     robot = build(experiment)
     experiment = resolved(experiment, robot)
-    found = follow(experiment, robot)
+    followed = {} if followed is None else followed
+    path = _path(experiment)
+    if path not in followed:
+        followed[path] = follow(experiment, robot)
+    found = followed[path]
     optima = along(experiment, robot, found)
     chosen = gains(experiment, robot)
     prepared = Prepared(
@@ -142,6 +154,21 @@ def prepare(experiment: Experiment) -> Prepared:
     if "joints" in law.told:
         _ = prepared.passages  # so that one that cannot be made is refused before the first step
     return prepared
+
+
+def _path(experiment: Experiment) -> tuple[object, ...]:
+    """What the joint motions depend on: not how often they are repeated, by which law or load."""
+    one_cycle = tuple(
+        motion.model_copy(update={"duration": motion.period, "blend": 0, "payload": 0.0})
+        for motion in experiment.motion
+    )
+    return (
+        experiment.robot,
+        experiment.task,
+        experiment.simulation.timestep,
+        experiment.law.alpha_0,
+        one_cycle,
+    )
 
 
 def load_law(memory: Memory, index: int, one: Prepared) -> None:

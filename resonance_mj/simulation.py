@@ -11,7 +11,7 @@ from . import controller, learning
 from .callback import installed, refuse_another
 from .experiment import Experiment
 from .memory import Memory
-from .preparation import Prepared, load_law, load_motion, prepare
+from .preparation import Followed, Prepared, load_law, load_motion, prepare
 from .recording import Recording
 from .run import Run, Status
 from .stepper import Alone, Stepper, Together
@@ -78,7 +78,8 @@ def simulate_many(
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
-    prepared = [prepare(experiment) for experiment in experiments]
+    followed: Followed = {}
+    prepared = [prepare(experiment, followed) for experiment in experiments]
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, one in enumerate(prepared):
         groups.setdefault(one.fits_with, []).append(index)
