@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich import box
+from rich.console import Group
 from rich.table import Table
 
 if TYPE_CHECKING:
@@ -18,10 +19,20 @@ if TYPE_CHECKING:
     from .run import Run
 
 
-def summary(run: Run) -> Table:
+ABREAST = 2
+"""Motions side by side in a table: as many as 80 columns hold."""
+
+
+def summary(run: Run) -> Group:
     """The figures of each motion's last whole cycle beside the optimum's."""
     segments = run.summary()["segments"]
-    table = _table(f"{run.experiment.name}: last cycle of each motion", len(segments))
+    starts = range(0, len(segments), ABREAST)
+    return Group(*(_summary(run, segments[at : at + ABREAST], at) for at in starts))
+
+
+def _summary(run: Run, segments: list[dict[str, Any]], before: int) -> Table:
+    title = "" if before else f"{run.experiment.name}: last cycle of each motion"
+    table = _table(title, len(segments), before)
 
     def row(label: str, key: str, scale: float, digits: int, joint: int | None = None) -> None:
         cells = [label]
@@ -217,10 +228,10 @@ def _listed(values: Sequence[float] | None) -> str:
     return ", ".join(f"{value:.3f}" for value in values or ())
 
 
-def _table(title: str, motions: int) -> Table:
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+def _table(title: str, motions: int, before: int = 0) -> Table:
+    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("")
-    for index in range(motions):
+    for index in range(before, before + motions):
         table.add_column(f"motion {index + 1}", justify="right")
         table.add_column("optimum", justify="right", style="dim")
     return table
