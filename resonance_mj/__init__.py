@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .certificates import certify
     from .claims import Certificate, Certificates
+    from .comparison import Comparison, compare
     from .errors import ResonanceError
     from .experiment import Experiment, load
     from .optimal_springs import Optimum, optimum
@@ -16,6 +17,8 @@ _HOMES = {
     "Certificate": "claims",
     "Certificates": "claims",
     "certify": "certificates",
+    "Comparison": "comparison",
+    "compare": "comparison",
     "ResonanceError": "errors",
     "Experiment": "experiment",
     "load": "experiment",
@@ -30,12 +33,14 @@ _HOMES = {
 __all__ = [
     "Certificate",
     "Certificates",
+    "Comparison",
     "Experiment",
     "Optimum",
     "ResonanceError",
     "Run",
     "Status",
     "certify",
+    "compare",
     "load",
     "optimum",
     "simulate",

@@ -7,7 +7,8 @@ import os
 import sys
 import threading
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -34,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         changes, rest = _split(arguments)
         options = _parser().parse_args(rest)
         options.changes = changes
-        if changes and options.command not in (_run, _optimum):
+        if changes and options.command not in (_run, _optimum, _compare):
             key = next(iter(changes))
             raise ExperimentError(f"--{key}: this command takes no keys of an experiment")
         return int(options.command(options))
@@ -90,6 +91,22 @@ def _parser() -> argparse.ArgumentParser:
     inspect.add_argument(
         "--toml", action="store_true", help="print an experiment file for it and nothing else"
     )
+
+    compare = _command(
+        commands, "compare", _compare, "the laws that users compare, on one experiment"
+    )
+    _what(compare)
+    compare.add_argument(
+        "--long",
+        metavar="CYCLES",
+        type=int,
+        default=1000,
+        help="how often the last motion is repeated to see which law lasts; 1000, and 0 for not",
+    )
+    compare.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="where to write; runs/NAME-compare"
+    )
+    compare.epilog = _KEYS
 
     plot = _command(commands, "plot", _plot, "draw the figure of a run again")
     plot.add_argument("run", metavar="RUN", type=Path, help="a run's folder, such as runs/paper")
@@ -214,9 +231,22 @@ def _run(options: argparse.Namespace) -> int:
 
 def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
     """Simulate behind a progress bar."""
-    from rich import progress
-
     from . import simulation
+
+    total = sum(motion.cycles for motion in experiment.motion)
+    with _bar(experiment.name, total, console) as show:
+        return simulation.simulate(
+            experiment,
+            interpret=interpret,
+            progress=show,
+            note=lambda line: console.print(f"  {line}", soft_wrap=True),
+        )
+
+
+@contextmanager
+def _bar(name: str, total: int | None, console: Console) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar, as a function of the cycles done and the cycles in all."""
+    from rich import progress
 
     bars = progress.Progress(
         progress.TextColumn("{task.description}"),
@@ -229,18 +259,32 @@ def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
         console=console,
     )
     with bars:
-        total = sum(motion.cycles for motion in experiment.motion)
-        bar = bars.add_task(f"{experiment.name}: preparing the law", total=total)
+        bar = bars.add_task(f"{name}: preparing the law", total=total)
 
-        def show(done: int, _: int) -> None:
-            bars.update(bar, completed=done, description=experiment.name)
+        def show(done: int, of: int) -> None:
+            bars.update(bar, completed=done, total=of, description=name)
 
-        return simulation.simulate(
-            experiment,
-            interpret=interpret,
-            progress=show,
-            note=lambda line: console.print(f"  {line}", soft_wrap=True),
-        )
+        yield show
+
+
+def _compare(options: argparse.Namespace) -> int:
+    experiment = _experiment(options)
+    from . import comparison, comparison_figure, figures, tables
+    from .files import could_be_written
+
+    folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
+    console = _console()
+    with _bar(f"{experiment.name}: all laws", None, console) as show:
+        found = comparison.compare(experiment, long=options.long, progress=show)
+    found.save(folder)
+    figures.save(comparison_figure.figure(found), folder, "compare")
+    console.print(tables.comparison(found))
+    console.print(
+        f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "
+        f"{', '.join(found.runs)}",
+        soft_wrap=True,
+    )
+    return DONE
 
 
 def _optimum(options: argparse.Namespace) -> int:

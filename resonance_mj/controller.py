@@ -45,7 +45,7 @@ def act(
         tool: position of the tool (3,) [m].
         orientation: of the tool (3, 3).
         ctrl: mjData.ctrl, written.
-        command: sets y and τ: `standard`, or a custom law's.
+        command: sets y and τ: `standard`, `joint_space`, or a custom law's.
     """
     n = int(memory[Header.JOINTS])
     m = int(memory[Header.COORDINATES])
@@ -170,6 +170,40 @@ def standard(
     )
     if memory[Header.INERTIAL] == 1.0:
         equations.inertial_feedback(matrix(memory, Header.FEEDBACK, n, n), y, tau)
+
+
+@register_jitable
+def joint_space(
+    memory: np.ndarray,
+    n: int,
+    m: int,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    u: np.ndarray,
+    y: np.ndarray,
+    tau: np.ndarray,
+) -> None:
+    """Error signal y = Δq̇ + α s(Δq) and motor torque τ = u - G Δq̇ - G_p s(Δq), given q_d."""
+    step = int(memory[Header.STEP])
+    alpha = memory[Header.ALPHA]
+    qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
+    dof_address = vector(memory, Header.DOF_ADDRESS, n)
+    q_desired = vector(memory, Header.Q_DESIRED, (step + 1) * n)[step * n :]
+    dq_desired = vector(memory, Header.DQ_DESIRED, (step + 1) * n)[step * n :]
+    G = matrix(memory, Header.FEEDBACK, n, n)
+    G_p = matrix(memory, Header.FEEDBACK_P, n, n)
+    error = vector(memory, Header.Q, n)
+    rate = vector(memory, Header.DQ, n)
+    s = vector(memory, Header.DRIFT, n)
+    for j in range(n):
+        error[j] = qpos[int(qpos_address[j])] - q_desired[j]
+        rate[j] = qvel[int(dof_address[j])] - dq_desired[j]
+    equations.saturation(error, s)
+    for j in range(n):
+        y[j] = rate[j] + alpha * s[j]
+        tau[j] = u[j]
+        for i in range(n):
+            tau[j] -= G[j, i] * rate[i] + G_p[j, i] * s[i]
 
 
 @register_jitable

@@ -109,6 +109,9 @@ class Motion(_Model):
     frame: Literal["world", "base", "tool"] = "world"
     """Whose axes and origin the motion's positions are given in: world, base: of the body that
     carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
+    payload: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    """Mass that the tool carries during this motion, as a point at the tool [kg]; laws are not told
+    of it, and computed-torque knows it."""
     blend: Annotated[int, Field(ge=0)] = 1
     """Cycles in which the arm passes over into this motion, without learning; 0 for a jump."""
     center: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
@@ -208,12 +211,27 @@ _KEYS_OF_SHAPE: dict[str, tuple[str, ...]] = {
 """What each shape is described by, besides the keys that every motion has."""
 
 
+KINDS = (
+    "feedback",
+    "learning",
+    "fixed",
+    "joint-space",
+    "paper",
+    "transfer",
+    "computed-torque",
+)
+"""The laws that an experiment can name, from the one that knows least to the one that knows all."""
+
+
 class Law(_Model):
     """The controller and its gains, by the paper's symbols."""
 
     kind: str = "transfer"
-    """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); or the
-    path of a Python file with a law of your own."""
+    """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); feedback:
+    (4) without learning; learning: all torque is learned, the springs stay as they begin; fixed:
+    the same with the optimal springs; joint-space: stiffness alone adapted to desired joint angles;
+    computed-torque: optimal springs and the torque that the model asks for; or the path of a Python
+    file with a law of your own."""
     parameters: Vector = ()
     """Numbers for a law of your own."""
     jacobian: Literal["damped", "inverse", "transpose"] | None = None
@@ -251,9 +269,22 @@ class Law(_Model):
     @field_validator("kind")
     @classmethod
     def _known_or_a_file(cls, value: str) -> str:
-        if value in ("transfer", "paper") or value.endswith(".py"):
+        if value in KINDS or value.endswith(".py"):
             return value
-        raise ValueError("valid are 'transfer', 'paper', or the path of a Python file, NAME.py")
+        raise ValueError(
+            f"valid are {_listed(KINDS)}, or the path of a Python file, NAME.py"
+            + _nearest(value, KINDS)
+        )
+
+    @property
+    def printed(self) -> bool:
+        """Whether the law is one of the authors', with (9), (10) and without lead if not given."""
+        return self.kind in ("paper", "joint-space")
+
+    @property
+    def follows_joints(self) -> bool:
+        """Whether the law is told the desired joint angles, and its gains act on theirs."""
+        return self.kind in ("joint-space", "computed-torque")
 
 
 class Springs(_Model):
@@ -322,6 +353,20 @@ class Experiment(_Model):
                     f"law.lead = {self.law.lead} is not shorter than the {round(steps)} time "
                     f"steps of a cycle of motion.{index}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _equilibrium_at_q_c(self) -> Experiment:
+        springs = self.springs
+        if (
+            self.law.kind == "joint-space"
+            and _not_zero(springs.initial_stiffness)
+            and _not_zero(springs.initial_equilibrium)
+        ):
+            raise ValueError(
+                f"springs.initial_equilibrium = {_shown(springs.initial_equilibrium)}: "
+                "law.kind = 'joint-space' keeps the equilibrium at law.q_c: leave it out"
+            )
         return self
 
     def replace(self, changes: Mapping[str, Any]) -> Experiment:
@@ -500,6 +545,10 @@ def _without_none(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _without_none(item) for key, item in value.items() if item is not None}
     return [_without_none(item) for item in value] if isinstance(value, list) else value
+
+
+def _not_zero(value: float | Vector) -> bool:
+    return any(value) if isinstance(value, tuple) else bool(value)
 
 
 def _shown(value: Any) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .experiment import Experiment
+from .experiment import Experiment, Law
 from .robot import Robot
 
 BANDWIDTH = 60.0
@@ -24,8 +24,9 @@ class Gains:
         jacobian: inverse, transpose or damped, in (8).
         k_v: velocity feedback (m,) [N s/m].
         k_p: position feedback (m,) [N/m].
-        feedback: G of the feedback -G y (n, n) [N m s/rad].
-        omega: its bandwidth ω [1/s].
+        feedback: G of the feedback -G y, or -G Δq̇ in joint space (n, n) [N m s/rad].
+        feedback_p: G_p of the feedback -G_p s(Δq) in joint space (n, n) [N m/rad].
+        omega: bandwidth ω of the inertial feedback [1/s].
         learning: what is learned from y (n, n) [N m s/rad].
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
@@ -35,6 +36,7 @@ class Gains:
     k_v: np.ndarray
     k_p: np.ndarray
     feedback: np.ndarray
+    feedback_p: np.ndarray
     omega: float
     learning: np.ndarray
     lead: int
@@ -49,25 +51,43 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     """
     law, n, m = experiment.law, robot.n, robot.m
     dt = experiment.simulation.timestep
-    printed = law.kind == "paper"
     by_hand = law.k_v is not None or law.k_p is not None
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     omega = law.omega if law.omega is not None else min(BANDWIDTH, 0.1 / dt)
-    feedback = np.zeros((n, n)) if by_hand else omega * robot.inertia
-    inertial = law.eta * omega * robot.inertia
-    learning = inertial if law.beta is None else law.beta * np.eye(n)
+    k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
+    inertial = omega * robot.inertia
+    feedback = np.zeros((n, n)) if by_hand else inertial
+    feedback_p = np.zeros((n, n))
+    if law.follows_joints:
+        feedback, feedback_p = _in_joint_space(law, robot, k_v, k_p, inertial)
+        k_v = k_p = np.zeros(m)
+    learning = law.eta * inertial if law.beta is None else law.beta * np.eye(n)
     steps = min(motion.steps(dt) for motion in experiment.motion)
     harmonics = law.harmonics
-    if harmonics is None and not printed:
+    if harmonics is None and not law.printed:
         harmonics = min(HARMONICS, steps // 4)
-    square = "inverse" if printed and m == n else "damped"
+    square = "inverse" if law.printed and m == n else "damped"
     return Gains(
         jacobian=law.jacobian or square,
-        k_v=np.broadcast_to(np.asarray(law.k_v or 0.0, float), m),
-        k_p=np.broadcast_to(np.asarray(law.k_p or 0.0, float), m),
+        k_v=k_v,
+        k_p=k_p,
         feedback=feedback,
+        feedback_p=feedback_p,
         omega=omega,
         learning=learning,
-        lead=law.lead if law.lead is not None else (0 if printed else 1),
+        lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
     )
+
+
+def _in_joint_space(
+    law: Law, robot: Robot, k_v: np.ndarray, k_p: np.ndarray, inertial: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """G and G_p of the joint angles' errors that are at home what K_v and K_p are of the tool's.
+
+    Where the task leaves joints free, K_v and K_p would leave them without feedback.
+    """
+    if (law.k_v is None and law.k_p is None) or robot.m < robot.n:
+        return inertial, law.alpha * inertial
+    J = robot.jacobian
+    return J.T @ (k_v[:, None] * J), J.T @ (k_p[:, None] * J)

@@ -117,7 +117,7 @@ class Kinematics:
         Raises:
             MotionError: the motion leaves the arm's reach or passes through a singular pose.
         """
-        steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
+        m, n = self.robot.m, self.robot.n
         if m < n:
             start = self._cycle(samples, start, period, name, alpha_0)[0][-1]
         q, J = self._cycle(samples, start, period, name, alpha_0)
@@ -128,12 +128,37 @@ class Kinematics:
                 f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
             )
         if m == n:
-            dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
-            drift = np.array([self._J_dot(q[i], dq[i]) @ dq[i] for i in range(steps)])
-            ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
-        else:
-            dq = _periodic_rate(q, period)
-            ddq = _periodic_rate(dq, period)
+            return self._rates(samples, q, J)
+        dq = _periodic_rate(q, period)
+        return JointMotion(q, dq, _periodic_rate(dq, period))
+
+    def passage(
+        self, samples: Samples, start: np.ndarray, length: float, name: str, alpha_0: float = 10.0
+    ) -> JointMotion:
+        """Joint motion of a task-space motion that ends elsewhere than it begins.
+
+        Args:
+            samples: the motion.
+            start: joint angles near which the branch is looked for (n,) [rad].
+            length: how long it takes [s].
+            name: how messages call the motion.
+            alpha_0: rate at which the posture is taken back [1/s].
+
+        Raises:
+            MotionError: the motion leaves the arm's reach or passes through a singular pose.
+        """
+        q, J = self._cycle(samples, start, length, name, alpha_0)
+        if self.robot.m == self.robot.n:
+            return self._rates(samples, q, J)
+        dt = length / len(q)
+        dq = np.gradient(q, dt, axis=0, edge_order=2)
+        return JointMotion(q, dq, np.gradient(dq, dt, axis=0, edge_order=2))
+
+    def _rates(self, samples: Samples, q: np.ndarray, J: np.ndarray) -> JointMotion:
+        """Joint angles with the velocities and accelerations that a task of n coordinates sets."""
+        dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
+        drift = np.array([self._J_dot(*state) @ state[1] for state in zip(q, dq, strict=True)])
+        ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
         return JointMotion(q, dq, ddq)
 
     def _cycle(

@@ -1,145 +1,121 @@
-"""Laws from outside: a Python file named in the experiment, run through the same callback."""
+"""The laws that an experiment can name: what each does at a step, learns from a cycle, is told."""
 
 from __future__ import annotations
 
-import importlib.util
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 import numpy as np
-from numba.extending import register_jitable
 
-from .controller import Command, standard
-from .errors import ExperimentError
-from .memory import Header, matrix, vector
+from . import custom_law, learning
+from .controller import Command, joint_space, standard
+from .experiment import Experiment
+from .gains import Gains
+from .learning import Cycle, Transferred
 
-COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
-"""Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""
-
-LEARN = ("u", "y", "q", "stiffness", "offset", "center", "parameters")
-"""Arguments of a custom law's `learn`, which returns u, stiffness, offset, center."""
+Between = Callable[[Cycle, Gains, Experiment], Transferred]
+"""Torque and springs of the next cycle, from the last, the gains and the experiment."""
 
 
 @dataclass(frozen=True)
-class CustomLaw:
-    """What a law's file gives; what it does not give is the transfer law's.
+class Law:
+    """A law, by what it does on three time scales.
 
     Attributes:
-        command: the control step's part that sets y and τ.
-        learn: what happens between two cycles, or None.
+        command: at each step, sets y and the motors' torque τ.
+        between: after each cycle that is not a passage, sets the next cycle's torque and springs.
+        adapts: gains of (6) and (7) that act at each step; the springs are constant without them.
+        told: what it is given as a motion begins and the other laws do not know.
     """
 
     command: Command
-    learn: Callable[..., Any] | None
-    file: str = ""
-
-    def learned(
-        self, signals: tuple[np.ndarray, ...], parameters: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        """What the file's `learn` returns for a cycle: u (N, n), stiffness, offset, center (n,).
-
-        Raises:
-            ExperimentError: it raises, or what it returns is not of these shapes or not finite.
-        """
-        assert self.learn is not None
-        try:
-            found = tuple(np.asarray(part, float) for part in self.learn(*signals, parameters))
-        except Exception as error:
-            raise ExperimentError(f"{self.file}: learn raised {error!r}") from error
-        u, _, _, stiffness, offset, center = signals
-        wanted = [part.shape for part in (u, stiffness, offset, center)]
-        if [part.shape for part in found] != wanted or not all(
-            np.isfinite(part).all() for part in found
-        ):
-            raise ExperimentError(
-                f"{self.file}: learn returned shapes {[part.shape for part in found]}; finite u, "
-                f"stiffness, offset, center of shapes {wanted} are needed"
-            )
-        return found
+    between: Between
+    adapts: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
 
 
-@cache
-def load(file: str) -> CustomLaw:
-    """Load a law's file.
+def load(kind: str) -> Law:
+    """The law that `law.kind` names.
 
     Raises:
-        ExperimentError: there is no such file, it cannot be imported, or its functions are not of
-            the documented shape.
+        ExperimentError: it is a file that does not hold a law.
     """
-    path = Path(file)
-    if not path.is_file():
-        raise ExperimentError(
-            f"law.kind = {file!r}: no such file; give 'transfer', 'paper', or the path of a Python "
-            "file with a function `command` or `learn`"
-        )
-    module = _imported(path)
-    command, learn = (getattr(module, name, None) for name in ("command", "learn"))
-    if command is None and learn is None:
-        raise ExperimentError(f"{path}: defines neither `command` nor `learn`; one is needed")
-    for function, arguments in ((command, COMMAND), (learn, LEARN)):
-        if function is not None:
-            _check_shape(path, function, arguments)
-    return CustomLaw(standard if command is None else _adapted(command), learn, str(path))
+    return LAWS[kind] if kind in LAWS else _of_a_file(kind)
 
 
-def _imported(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"resonance_mj_law_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise ExperimentError(f"{path}: is no Python file")
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise ExperimentError(f"{path}: cannot be imported: {error!r}") from error
-    return module
+def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+    """Torque and springs as in the cycle before."""
+    return Transferred(cycle.u, cycle.stiffness, cycle.offset, cycle.center)
 
 
-def _check_shape(path: Path, function: Callable[..., Any], arguments: tuple[str, ...]) -> None:
-    found = tuple(inspect.signature(function).parameters)
-    if found != arguments:
-        raise ExperimentError(
-            f"{path}: {function.__name__}({', '.join(found)}): its arguments must be "
-            f"({', '.join(arguments)})"
-        )
+def all_torque(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+    """Learning of all torque: (9) without its last term, for springs that stay as they are."""
+    v = cycle.u - learning.corrected(cycle.y, gains.learning, gains.lead)
+    u = learning.low_pass(v, gains.harmonics)
+    return Transferred(u, cycle.stiffness, cycle.offset, cycle.center)
 
 
-def _adapted(custom: Callable[..., None]) -> Command:
-    """A custom `command` as the control step calls it."""
-    compiled = register_jitable(custom)
+def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+    """(9), (10): what a spring could exert is not learned, and left to (6), (7) to find."""
+    return _printed(cycle, cycle.q, gains)
 
-    @register_jitable
-    def command(
-        memory: np.ndarray,
-        n: int,
-        m: int,
-        qpos: np.ndarray,
-        qvel: np.ndarray,
-        u: np.ndarray,
-        y: np.ndarray,
-        tau: np.ndarray,
-    ) -> None:
-        qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
-        dof_address = vector(memory, Header.DOF_ADDRESS, n)
-        q = vector(memory, Header.Q, n)
-        dq = vector(memory, Header.DQ, n)
-        for j in range(n):
-            q[j] = qpos[int(qpos_address[j])]
-            dq[j] = qvel[int(dof_address[j])]
-        compiled(
-            matrix(memory, Header.J, m, n),
-            vector(memory, Header.ERROR, m),
-            vector(memory, Header.RATE, m),
-            q,
-            dq,
-            u,
-            vector(memory, Header.PARAMETERS, int(memory[Header.COUNT])),
-            y,
-            tau,
-        )
 
-    return command
+def as_printed_in_joint_space(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+    """(9), (10) with the desired joint angles q_d in place of q, as in [4] (Sec. IV-C)."""
+    return _printed(cycle, cycle.q_desired, gains)
+
+
+def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+    """What a spring can exert of the learned torque is handed to the spring."""
+    bounds = experiment.springs
+    return learning.transfer(
+        cycle.u,
+        cycle.y,
+        cycle.q,
+        cycle.stiffness,
+        cycle.offset,
+        cycle.center,
+        gain=gains.learning,
+        lead=gains.lead,
+        harmonics=gains.harmonics,
+        bounds=(bounds.stiffness, bounds.equilibrium),
+    )
+
+
+def _printed(cycle: Cycle, q: np.ndarray, gains: Gains) -> Transferred:
+    u = learning.learn(
+        cycle.u,
+        cycle.y,
+        q,
+        gain=gains.learning,
+        q_s=cycle.q_s,
+        lead=gains.lead,
+        harmonics=gains.harmonics,
+    )
+    return Transferred(u, cycle.stiffness, cycle.offset, cycle.center)
+
+
+def _of_a_file(file: str) -> Law:
+    custom = custom_law.load(file)
+
+    def between(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+        signals = (cycle.u, cycle.y, cycle.q, cycle.stiffness, cycle.offset, cycle.center)
+        parameters = np.array(experiment.law.parameters)
+        return Transferred(*custom.learned(tuple(part.copy() for part in signals), parameters))
+
+    adapts = ("gamma_k", "gamma_qe")
+    return Law(custom.command, between if custom.learn else spring_transfer, adapts)
+
+
+LAWS: dict[str, Law] = {
+    "feedback": Law(standard, nothing),
+    "learning": Law(standard, all_torque),
+    "fixed": Law(standard, all_torque, told=("springs",)),
+    "joint-space": Law(
+        joint_space, as_printed_in_joint_space, adapts=("gamma_k",), told=("joints",)
+    ),
+    "paper": Law(standard, as_printed, adapts=("gamma_k", "gamma_qe")),
+    "transfer": Law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe")),
+    "computed-torque": Law(joint_space, nothing, told=("joints", "springs", "torque")),
+}
+"""The laws that come with the program; `experiment.KINDS` has their names."""

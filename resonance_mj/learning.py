@@ -9,6 +9,27 @@ import numpy as np
 from . import springs
 
 
+class Cycle(NamedTuple):
+    """What there is to learn from: a cycle's signals, and the springs at its end."""
+
+    u: np.ndarray
+    """Learned torque (N, n) [N m]."""
+    y: np.ndarray
+    """Error signal (8) (N, n) [rad/s]."""
+    q: np.ndarray
+    """Joint angles (N, n) [rad]."""
+    q_desired: np.ndarray
+    """Desired joint angles q_d (N, n) [rad]; of meaning only to laws that are told them."""
+    stiffness: np.ndarray
+    """Stiffness k (n,) [N m/rad]."""
+    offset: np.ndarray
+    """Offset torque q̄_e about `center` (n,) [N m]."""
+    center: np.ndarray
+    """Centre q_c (n,) [rad]."""
+    q_s: np.ndarray
+    """Centre of the regressor of (9), (10) (n,) [rad]."""
+
+
 def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
     """Coefficients w of the part of a torque that a spring could exert, (10).
 
@@ -33,6 +54,7 @@ def learn(
     gain: np.ndarray,
     q_s: np.ndarray,
     lead: int = 0,
+    harmonics: int | None = None,
 ) -> np.ndarray:
     """Torque of the next cycle, u(t) = u(t-T) - β y(t-T+δ) - W q̄(t-T), (9).
 
@@ -46,6 +68,7 @@ def learn(
         gain: learning gain (..., n, n) [N m s/rad]: β I, or a matrix.
         q_s: centre of the regressor (..., n) [rad].
         lead: δ in control periods; the cycle is read as periodic. 0 as printed.
+        harmonics: how many of the cycle's harmonics u - β y keeps; None for all, as printed.
 
     Returns:
         u of the next cycle (..., N, n) [N m].
@@ -54,7 +77,7 @@ def learn(
         With lead = 0 the loop is unstable when sampled: the hold's delay breaks the passivity (15)
         at high frequency, and the torque diverges after tens to hundreds of cycles.
     """
-    v = u - corrected(y, gain, lead)
+    v = low_pass(u - corrected(y, gain, lead), harmonics)
     q_bar = q - np.asarray(q_s)[..., None, :]
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
@@ -65,7 +88,7 @@ def corrected(y: np.ndarray, gain: np.ndarray, lead: int) -> np.ndarray:
 
 
 class Transferred(NamedTuple):
-    """What the motors learn and the springs take over for the next cycle."""
+    """What motors and springs do in the next cycle."""
 
     u: np.ndarray
     """Learned torque of the next cycle (N, n) [N m]."""
@@ -74,7 +97,7 @@ class Transferred(NamedTuple):
     offset: np.ndarray
     """Offset torque q̄_e about `center` (n,) [N m]."""
     center: np.ndarray
-    """Centre q_c of the offset torque: the mean joint angle of the cycle (n,) [rad]."""
+    """Centre q_c of the offset torque (n,) [rad]; the transfer puts it at the mean joint angle."""
 
 
 def transfer(
@@ -126,14 +149,15 @@ def low_pass(v: np.ndarray, harmonics: int | None) -> np.ndarray:
     """A torque over a cycle with its first harmonics only, without a shift in phase.
 
     Args:
-        v: torque over a cycle, read as periodic (N, n) [N m].
+        v: torque over a cycle, read as periodic (..., N, n) [N m].
         harmonics: how many to keep besides the mean; None for all.
     """
-    if harmonics is None or harmonics >= len(v) // 2:
+    steps = v.shape[-2]
+    if harmonics is None or harmonics >= steps // 2:
         return v
-    spectrum = np.fft.rfft(v, axis=0)
-    spectrum[harmonics + 1 :] = 0.0
-    return np.fft.irfft(spectrum, n=len(v), axis=0)
+    spectrum = np.fft.rfft(v, axis=-2)
+    spectrum[..., harmonics + 1 :, :] = 0.0
+    return np.fft.irfft(spectrum, n=steps, axis=-2)
 
 
 def resample(u: np.ndarray, steps: int) -> np.ndarray:

@@ -35,6 +35,7 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "gamma_k": ("joints",),
     "gamma_qe": ("joints",),
     "feedback": ("joints", "joints"),
+    "feedback_p": ("joints", "joints"),
     "q_c": ("joints",),
     "q_s": ("joints",),
     "k_min": ("joints",),
@@ -53,6 +54,8 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     # tables over the cycle
     "x_desired": ("steps", "coordinates"),
     "dx_desired": ("steps", "coordinates"),
+    "q_desired": ("steps", "joints"),
+    "dq_desired": ("steps", "joints"),
     "learned": ("steps", "joints"),
     "record": ("steps", "columns"),
     # scratch of one control step

@@ -129,6 +129,12 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     return Samples(x, dx, ddx, after.rotates)
 
 
+def in_a_row(parts: list[Samples]) -> Samples:
+    """Motions of one task that follow each other, as one."""
+    x, dx, ddx = (np.concatenate([part[i] for part in parts]) for i in range(3))
+    return Samples(x, dx, ddx, parts[0].rotates)
+
+
 Rows = tuple[tuple[float, ...], ...]
 Parts = tuple[np.ndarray, np.ndarray, np.ndarray]
 

@@ -94,15 +94,13 @@ def resolved(experiment: Experiment, robot: Robot) -> Experiment:
 
 def along(experiment: Experiment, robot: Robot, found: list[JointMotion]) -> list[Optimum]:
     """The optimum of each of an experiment's joint motions, from `follow`."""
-    kinematics = Kinematics(robot)
     q_c = center(experiment.law.q_c, found, robot)
-    transfers = experiment.law.kind != "paper"
     return [
         best_springs(
             joints.q,
-            kinematics.torque(joints),
-            # Springs of other laws than the printed one are centred on the motion's own mean.
-            center=joints.q.mean(axis=0) if transfers else q_c,
+            Kinematics(robot.carrying(motion.payload)).torque(joints),
+            # Springs of other laws than the printed ones are centred on the motion's own mean.
+            center=q_c if experiment.law.printed else joints.q.mean(axis=0),
             period=motion.period,
             bounds=experiment.springs,
         )

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from . import home as homes
-from . import mjcf
+from . import mjcf, payload
 from .errors import ExperimentError, RobotError
 from .experiment import Experiment
 from .memory import Layout
@@ -38,10 +38,12 @@ class Robot:
         axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
         coordinate: their numbers, 0 to 5 (m,).
         orientation: of the tool at home (3, 3).
+        payload: id of the body that is the tool's payload; None if it never carries one.
         torque_limit: least and greatest torque of each motor (n, 2) [N m].
         home: joint angles at the start (n,) [rad].
         qpos: the whole model's qpos at the start (nq,).
         inertia: inertia matrix at home (n, n) [kg m^2].
+        jacobian: of the task's coordinates at home (m, n) [m/rad].
         usual: manipulability sqrt(det J Jᵀ) of the task's Jacobian at home.
         notes: what was chosen and changed when the robot was loaded, a line each.
         layout: sizes of the controller's block.
@@ -54,6 +56,7 @@ class Robot:
     dof_address: np.ndarray
     actuator_id: np.ndarray
     site: int
+    payload: int | None
     axes: tuple[str, ...]
     coordinate: np.ndarray
     orientation: np.ndarray
@@ -61,6 +64,7 @@ class Robot:
     home: np.ndarray
     qpos: np.ndarray
     inertia: np.ndarray
+    jacobian: np.ndarray
     usual: float
     notes: tuple[str, ...]
     layout: Layout
@@ -74,6 +78,12 @@ class Robot:
     def m(self) -> int:
         """Number of task coordinates."""
         return len(self.coordinate)
+
+    def carrying(self, mass: float) -> Robot:
+        """The robot with a payload at its tool [kg]; with a model of its own if it ever has one."""
+        if self.payload is None:
+            return self
+        return replace(self, model=payload.carrying(self.model, self.payload, mass))
 
     @property
     def slides(self) -> np.ndarray:
@@ -117,6 +127,10 @@ def build(experiment: Experiment) -> Robot:
     if not given.limits:
         disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
     spec.option.disableflags |= disabled
+    carries = any(motion.payload > 0 for motion in experiment.motion)
+    if carries:
+        # The payload's body must not be made one with the tool's.
+        spec.compiler.fusestatic = False
     model = mjcf.compile_spec(spec, path)
     joint_id = np.array([model.joint(name).id for name in joints])
     site = int(model.site(arm.tool).id)
@@ -148,14 +162,17 @@ def build(experiment: Experiment) -> Robot:
         [-np.inf, np.inf],
     )
     spec.nuserdata = model.nuserdata + layout.size
+    load = payload.add(spec, arm.tool, model) if carries else None
+    model = mjcf.compile_spec(spec, path)
     return Robot(
-        model=mjcf.compile_spec(spec, path),
+        model=model,
         joints=joints,
         joint_id=joint_id,
         qpos_address=model.jnt_qposadr[joint_id].copy(),
         dof_address=model.jnt_dofadr[joint_id].copy(),
         actuator_id=actuator_id,
         site=site,
+        payload=None if load is None else int(model.body(load).id),
         axes=axes,
         coordinate=coordinate,
         orientation=orientation,
@@ -163,6 +180,7 @@ def build(experiment: Experiment) -> Robot:
         home=home,
         qpos=qpos,
         inertia=inertia,
+        jacobian=J,
         usual=float(np.sqrt(max(np.linalg.det(J @ J.T), 0.0))),
         notes=tuple(notes),
         layout=layout,

@@ -6,13 +6,12 @@ import time
 from collections.abc import Callable, Sequence
 
 import mujoco
-import numpy as np
 
 from . import controller, learning
 from .callback import installed, refuse_another
 from .experiment import Experiment
 from .memory import Memory
-from .preparation import Prepared, load_law, load_motion, prepare
+from .preparation import Followed, Prepared, load_law, load_motion, prepare
 from .recording import Recording
 from .run import Run, Status
 from .stepper import Alone, Stepper, Together
@@ -68,7 +67,7 @@ def simulate_many(
     Args:
         experiments: what to simulate.
         threads: how many to use; 0 for all cores.
-        progress: called after each cycle with the cycles done and the cycles in all.
+        progress: called after each cycle with the cycles done and the cycles in all experiments.
 
     Returns:
         The runs, in the order of the experiments.
@@ -79,23 +78,24 @@ def simulate_many(
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
-    prepared = [prepare(experiment) for experiment in experiments]
+    followed: Followed = {}
+    prepared = [prepare(experiment, followed) for experiment in experiments]
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, one in enumerate(prepared):
         groups.setdefault(one.fits_with, []).append(index)
-    total = sum(len(prepared[members[0]].schedule) for members in groups.values())
+    total = sum(len(one.schedule) for one in prepared)
     done = 0
 
     def count(cycles: int, _: int) -> None:
         if progress:
-            progress(done + cycles, total)
+            progress(done + cycles * len(members), total)
 
     runs: dict[int, Run] = {}
     for members in groups.values():
         group = [prepared[index] for index in members]
         found = _simulate(group, lambda models: Together(models, threads), False, count)
         runs.update(zip(members, found, strict=True))
-        done += len(group[0].schedule)
+        done += len(group[0].schedule) * len(members)
     return [runs[index] for index in range(len(prepared))]
 
 
@@ -122,8 +122,11 @@ def _simulate(
         for cycle, segment in enumerate(schedule):
             steps = group[0].steps(segment)
             passing = group[0].blending(cycle) is not None
-            if cycle == 0 or segment != schedule[cycle - 1] or passing or passed:
-                for index in going:
+            begins = cycle == 0 or segment != schedule[cycle - 1]
+            for index in going:
+                if begins:
+                    stepper.models[index] = group[index].loaded[segment].model
+                if begins or passing or passed:
                     load_motion(memory, index, group[index], cycle)
             began = time.perf_counter()
             memory.scalar("step")[:] = 0
@@ -171,35 +174,22 @@ def between_cycles(memory: Memory, going: list[int], group: list[Prepared], cycl
         one = group[index]
         now = one.steps(one.schedule[cycle])
         following = one.steps(one.schedule[cycle + 1])
-        q, y, u = (memory.recorded(name, now)[index] for name in ("q", "y", "u"))
-        chosen, bounds = one.gains, one.experiment.springs
-        if one.blending(cycle) is not None:
-            learned = u
-        elif one.experiment.law.kind == "paper":
-            learned = learning.learn(
-                u, y, q, gain=chosen.learning, q_s=memory["q_s"][index], lead=chosen.lead
+        learned = memory.recorded("u", now)[index]
+        if one.blending(cycle) is None:
+            done = learning.Cycle(
+                u=learned,
+                y=memory.recorded("y", now)[index],
+                q=memory.recorded("q", now)[index],
+                q_desired=memory["q_desired"][index, :now],
+                stiffness=memory["stiffness"][index],
+                offset=memory["offset"][index],
+                center=memory["q_c"][index],
+                q_s=memory["q_s"][index],
             )
-        else:
-            springs = [memory[name][index] for name in ("stiffness", "offset", "q_c")]
-            taken: Sequence[np.ndarray]
-            if one.law.learn is not None:
-                parameters = np.array(one.experiment.law.parameters)
-                copies = tuple(part.copy() for part in (u, y, q, *springs))
-                taken = one.law.learned(copies, parameters)
-            else:
-                taken = learning.transfer(
-                    u,
-                    y,
-                    q,
-                    *springs,
-                    gain=chosen.learning,
-                    lead=chosen.lead,
-                    harmonics=chosen.harmonics,
-                    bounds=(bounds.stiffness, bounds.equilibrium),
-                )
-            learned = taken[0]
-            for view, value in zip(springs, taken[1:], strict=True):
-                view[:] = value
+            learned, stiffness, offset, center = one.law.between(done, one.gains, one.experiment)
+            memory["stiffness"][index] = stiffness
+            memory["offset"][index] = offset
+            memory["q_c"][index] = center
         memory["learned"][index, :following] = learning.resample(learned, following)
 
 
@@ -221,7 +211,7 @@ def _what_diverged(
     tries = f"a shorter simulation.timestep (now {dt:g} s)"
     if cycle == 0:
         tries = f"smaller law.k_v and law.k_p or {tries}"
-        if one.gains.feedback.any():
+        if one.experiment.law.k_v is None and one.experiment.law.k_p is None:
             tries = f"a smaller law.omega (now {one.gains.omega:g} 1/s) or {tries}"
     else:
         law = one.experiment.law

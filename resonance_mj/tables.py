@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
+from rich.console import Group
 from rich.table import Table
 
 if TYPE_CHECKING:
     from .claims import Certificates
+    from .comparison import Comparison
     from .experiment import Experiment
     from .inspection import Inspection, Joint
     from .optimal_springs import Optimum
@@ -19,10 +21,20 @@ if TYPE_CHECKING:
     from .run import Run
 
 
-def summary(run: Run) -> Table:
+ABREAST = 2
+"""Motions side by side in a table: as many as 80 columns hold."""
+
+
+def summary(run: Run) -> Group:
     """The figures of each motion's last whole cycle beside the optimum's."""
     segments = run.summary()["segments"]
-    table = _table(f"{run.experiment.name}: last cycle of each motion", len(segments))
+    starts = range(0, len(segments), ABREAST)
+    return Group(*(_summary(run, segments[at : at + ABREAST], at) for at in starts))
+
+
+def _summary(run: Run, segments: list[dict[str, Any]], before: int) -> Table:
+    title = "" if before else f"{run.experiment.name}: last cycle of each motion"
+    table = _table(title, len(segments), before)
 
     def row(label: str, key: str, scale: float, digits: int, joint: int | None = None) -> None:
         cells = [label]
@@ -114,6 +126,51 @@ def _ranges(cycles: np.ndarray) -> str:
         return f"{cycles.size} of {cycles[0]}-{cycles[-1]}"
     parts = np.split(cycles, gaps + 1)
     return ", ".join(f"{p[0]}-{p[-1]}" if p.size > 1 else f"{p[0]}" for p in parts)
+
+
+def comparison(found: Comparison) -> Table:
+    """Every law on every motion, in the motion's last cycle, and what became of it in the end."""
+    rows, motions = found.rows(), found.experiment.motion
+    table = Table(
+        title=f"{found.experiment.name}: last cycle of each motion",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=0,
+        caption="The best: the optimum of constant springs. Cycles to the best: the first from "
+        "which torque² stays within 5 % of it. Energy: the sum over joints of ∫|τ q̇| dt.",
+        caption_justify="left",
+    )
+    table.add_column("", no_wrap=True)
+    for heading in (
+        "reduc-\ntion\n[%]",
+        "of the\nbest\n[%]",
+        "cycles\nto the\nbest",
+        "track-\ning\n[mm]",
+        "peak\ntorque\n[N m]",
+        "energy\n\n[J]",
+    ):
+        table.add_column(heading, justify="right", no_wrap=True)
+    if found.long:
+        cycles = next(iter(found.long.values())).experiment.motion[-1].cycles
+        table.add_column(f"torque² over\n{cycles} cycles\nof motion {len(motions)}", no_wrap=True)
+    for number in range(1, len(motions) + 1):
+        mine = [row for row in rows if row["motion"] == number]
+        best = mine[-1]["torque_reduction_optimal"]
+        table.add_section()
+        table.add_row(f"motion {number}: the best", _number(best, 100, 1), "100.0", style="bold")
+        for row in mine:
+            table.add_row(
+                row["title"],
+                _number(row["torque_reduction"], 100, 1),
+                _number(row["share"], 100, 1),
+                str(row["cycles_to_optimum"] or "never"),
+                _number(row["tracking_rms"], 1e3, 3),
+                _number(row["peak_torque"], 1, 2),
+                _number(row["energy"], 1, 2),
+                row["long_run"],
+            )
+    return table
 
 
 def joints(title: str, of: list[Joint]) -> Table:
@@ -215,10 +272,10 @@ def _listed(values: Sequence[float] | None) -> str:
     return ", ".join(f"{value:.3f}" for value in values or ())
 
 
-def _table(title: str, motions: int) -> Table:
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+def _table(title: str, motions: int, before: int = 0) -> Table:
+    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("")
-    for index in range(motions):
+    for index in range(before, before + motions):
         table.add_column(f"motion {index + 1}", justify="right")
         table.add_column("optimum", justify="right", style="dim")
     return table

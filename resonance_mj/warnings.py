@@ -26,9 +26,9 @@ def before(
 ) -> list[str]:
     """Warnings about an experiment that can be given before it runs, a line each."""
     said = []
-    kinematics = Kinematics(robot)
     for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
         name = f"motion.{index}"
+        kinematics = Kinematics(robot.carrying(experiment.motion[index].payload))
         poses = joints.q[:: max(1, len(joints.q) // POSES)]
         J = np.array([kinematics.jacobian(q) for q in poses])
         values = np.linalg.svd(J, compute_uv=False)
@@ -85,7 +85,8 @@ def _unstable_feedback(
     )
     if highest <= limit:
         return []
-    key, value = ("law.k_v", gains.k_v.max()) if gains.k_v.any() else ("law.omega", gains.omega)
+    k_v = experiment.law.k_v
+    key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
     return [
         f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
         f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "

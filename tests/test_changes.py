@@ -1,0 +1,180 @@
+"""Motions and payloads that change during a run: the law keeps what it knows, and recovers."""
+
+import numpy as np
+import pytest
+from two_link import G, jacobian, jacobian_rate
+
+import resonance_mj as rmj
+from resonance_mj import library
+from resonance_mj.gains import gains
+from resonance_mj.kinematics import JointMotion, Kinematics
+from resonance_mj.preparation import prepare
+from resonance_mj.robot import build
+
+ELLIPSE = {"period": 1.0, "center": [-0.3, 0.0], "size": [0.05, 0.1]}
+
+
+def arm(*motions, **changes):
+    """The paper's arm under the transfer law, with springs that a device could have."""
+    values = [ELLIPSE | {"duration": 15.0} | dict(motion) for motion in motions]
+    law = {"kind": "transfer"}
+    springs = {"stiffness": [0.0, np.inf], "equilibrium": [-np.pi, np.pi]}
+    plain = rmj.load("paper").replace({"law": law, "springs": springs})
+    return plain.replace({"motion": values, **changes})
+
+
+CHANGES = {
+    "amplitude": {"size": [0.06, 0.12]},
+    "period": {"period": 0.8, "duration": 12.0},
+    "shape": {"shape": "eight", "size": [0.05, 0.08]},
+    "payload": {"payload": 1.0},
+}
+
+
+@pytest.fixture(scope="module")
+def changed():
+    """A run per change: the ellipse, and then what the change makes of it."""
+    return dict(
+        zip(CHANGES, rmj.simulate_many([arm({}, CHANGES[name]) for name in CHANGES]), strict=True)
+    )
+
+
+def spring_torque(run):
+    k, offset, q, center = (
+        run.data[name].values for name in ("stiffness", "offset", "q", "center")
+    )
+    return offset - k * (q - center)
+
+
+# What is kept, and what comes of it
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_every_change_moves_the_optimum_and_the_law_reaches_it_again(changed, name):
+    before, after = changed[name].summary()["segments"]
+    distance = np.abs(np.subtract(after["stiffness_optimal"], before["stiffness_optimal"]))
+    assert (distance > 0.02 * np.abs(before["stiffness_optimal"])).any()
+    assert before["cycles_to_optimum"] <= 12
+    assert after["cycles_to_optimum"] <= 12
+    assert after["torque_squared"] == pytest.approx(after["torque_squared_optimal"], rel=0.05)
+    np.testing.assert_allclose(after["stiffness"], after["stiffness_optimal"], rtol=0.1, atol=0.3)
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_springs_do_not_jump_at_the_change(changed, name):
+    """From one control step to the next their torque moves no more than within a cycle."""
+    run = changed[name]
+    steps = np.abs(np.diff(spring_torque(run), axis=0))
+    boundary = int(np.argmax(run.data["cycle_of_sample"].values == 16)) - 1
+    assert run.data["time"].values[boundary + 1] == pytest.approx(15.0)
+    assert (steps[boundary] <= 1.5 * steps[boundary - 999 : boundary].max(axis=0)).all()
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_springs_stay_within_their_bounds_through_a_change(changed, name):
+    k, offset = (changed[name].data[key].values for key in ("stiffness", "offset"))
+    assert (k >= 0).all()
+    assert (np.abs(offset) <= np.pi * k * (1 + 1e-12)).all()
+
+
+def test_what_is_learned_is_kept_at_the_same_phases_when_the_period_changes(changed):
+    """The passage begins with the torque of the last cycle, but for what that cycle taught."""
+    data = changed["period"].data
+    u, cycle = data["u"].values, data["cycle_of_sample"].values
+    last, first = u[cycle == 15], u[cycle == 16]
+    assert (len(last), len(first)) == (1000, 800)
+    phases = np.arange(800) / 800
+    for j in range(2):
+        kept = np.interp(phases, np.arange(1001) / 1000, np.append(last[:, j], last[0, j]))
+        assert np.abs(first[:, j] - kept).max() < 0.05 * np.ptp(last[:, j])
+
+
+@pytest.mark.parametrize("name", ["amplitude", "period"])
+def test_keeping_what_is_known_is_better_than_starting_over(changed, name):
+    kept = changed[name]
+    over = rmj.simulate(arm(CHANGES[name]))
+    first, again = over.summary()["segments"][0], kept.summary()["segments"][1]
+    assert again["torque_squared_optimal"] == pytest.approx(first["torque_squared_optimal"])
+    assert again["cycles_to_optimum"] < first["cycles_to_optimum"]
+    here, there = kept.data["tracking_rms"].values[16:], over.data["tracking_rms"].values[1:]
+    assert (here[:5] < 0.5 * there[:5]).all()
+
+
+def test_the_example_comes_out_at_the_optimum_of_each_of_its_motions():
+    run = rmj.simulate(rmj.load("two-link-changes"))
+    segments = run.summary()["segments"]
+    assert len(segments) == 5
+    for segment in segments:
+        assert segment["cycles_to_optimum"] <= 10
+
+
+# The payload
+
+
+def test_payload_is_a_point_mass_at_the_tool():
+    """By virtual work: its torque is Jᵀ m (ẍ + g), in closed form."""
+    robot = build(arm({"payload": 0.7}))
+    rng = np.random.default_rng(1)
+    q, dq, ddq = rng.normal(size=(3, 50, 2))
+    motion = JointMotion(q, dq, ddq)
+    more = Kinematics(robot.carrying(0.7)).torque(motion)
+    more = more - Kinematics(robot.carrying(0.0)).torque(motion)
+    J = jacobian(q)
+    ddx = np.einsum("tij,tj->ti", J, ddq) + np.einsum("tij,tj->ti", jacobian_rate(q, dq), dq)
+    force = 0.7 * (ddx + np.array([0.0, G]))
+    np.testing.assert_allclose(more, np.einsum("tij,ti->tj", J, force), atol=1e-12)
+
+
+def test_a_payload_of_zero_is_no_payload():
+    without = rmj.simulate(arm({"duration": 3.0})).data
+    data = rmj.simulate(arm({"duration": 3.0}, {"duration": 2.0, "payload": 2.0})).data
+    for name in ("q", "tau", "stiffness"):
+        mine = data[name].values[:3000]
+        np.testing.assert_allclose(mine, without[name], rtol=1e-9, atol=1e-9)
+
+
+def test_the_law_is_not_told_of_a_payload():
+    """No number that it is tuned by or remembers at the start knows it."""
+    light, heavy = (prepare(arm({"payload": mass})) for mass in (0.0, 1.5))
+    for name in ("feedback", "learning", "k_v", "k_p"):
+        mine = getattr(gains(heavy.experiment, heavy.robot), name)
+        np.testing.assert_array_equal(mine, getattr(light.gains, name))
+    assert heavy.optima[0].cost_without_springs > 1.5 * light.optima[0].cost_without_springs
+
+
+def test_a_law_that_knows_the_robot_knows_the_payload():
+    run = rmj.simulate(arm({"duration": 3.0}, {"payload": 1.0}, **{"law.kind": "computed-torque"}))
+    for segment in run.summary()["segments"]:
+        assert segment["tracking_rms"] < 1e-4
+        assert segment["torque_squared"] == pytest.approx(
+            segment["torque_squared_optimal"], rel=2e-3
+        )
+
+
+def test_robots_of_a_batch_carry_payloads_of_their_own(changed):
+    experiments = [arm({"duration": 3.0}, {"duration": 3.0, "payload": mass}) for mass in (0.5, 2)]
+    together = rmj.simulate_many(experiments)
+    for experiment, run in zip(experiments, together, strict=True):
+        alone = rmj.simulate(experiment)
+        np.testing.assert_array_equal(run.data["tau"], alone.data["tau"])
+    assert not np.allclose(together[0].data["tau"][-500:], together[1].data["tau"][-500:])
+
+
+def test_a_tool_whose_body_the_compiler_would_merge_carries_its_payload(tmp_path):
+    """With fusestatic the compiler makes bodies without a joint one with their parents."""
+    path = tmp_path / "fused.xml"
+    text = library.robots()["two_link.xml"].read_text(encoding="utf-8")
+    path.write_text(text.replace("<compiler ", '<compiler fusestatic="true" ', 1))
+    experiment = arm({"payload": 1.0}, **{"robot.mjcf": str(path)})
+    (mine,) = rmj.optimum(experiment)
+    (plain,) = rmj.optimum(arm({"payload": 1.0}))
+    assert mine.cost == pytest.approx(plain.cost)
+
+
+@pytest.mark.parametrize("mass", [-0.1, float("nan"), float("inf"), "heavy"])
+def test_a_payload_that_is_none_is_refused_in_one_line(mass):
+    with pytest.raises(rmj.ResonanceError) as caught:
+        arm({"payload": mass})
+    message = str(caught.value)
+    assert "motion.0.payload" in message
+    assert "\n" not in message
