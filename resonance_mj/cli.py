@@ -70,6 +70,9 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--interpret", action="store_true", help="run the law as plain Python, for a debugger"
     )
+    run.add_argument(
+        "--strict", action="store_true", help="refuse what will diverge, instead of a warning"
+    )
     run.epilog = _KEYS
 
     optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
@@ -178,7 +181,7 @@ def _run(options: argparse.Namespace) -> int:
     console = _console()
     # Imported while MuJoCo steps, which leaves Python's lock to others.
     threading.Thread(target=import_module, args=("resonance_mj.figures",), daemon=True).start()
-    run = _simulate(experiment, options.interpret, console)
+    run = _simulate(experiment, options, console)
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
     if run.data.sizes["time"]:
@@ -199,7 +202,7 @@ def _run(options: argparse.Namespace) -> int:
     return NOT_WELL
 
 
-def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
+def _simulate(experiment: Experiment, options: argparse.Namespace, console: Console) -> Run:
     """Simulate behind a progress bar."""
     from rich import progress
 
@@ -224,7 +227,8 @@ def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
 
         return simulation.simulate(
             experiment,
-            interpret=interpret,
+            interpret=options.interpret,
+            strict=options.strict,
             progress=show,
             note=lambda line: console.print(f"  {line}", soft_wrap=True),
         )

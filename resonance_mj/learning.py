@@ -33,6 +33,7 @@ def learn(
     gain: np.ndarray,
     q_s: np.ndarray,
     lead: int = 0,
+    harmonics: int | None = None,
 ) -> np.ndarray:
     """Torque of the next cycle, u(t) = u(t-T) - β y(t-T+δ) - W q̄(t-T), (9).
 
@@ -46,15 +47,17 @@ def learn(
         gain: learning gain (..., n, n) [N m s/rad]: β I, or a matrix.
         q_s: centre of the regressor (..., n) [rad].
         lead: δ in control periods; the cycle is read as periodic. 0 as printed.
+        harmonics: how many of the cycle's harmonics u - β y keeps; None for all, as printed.
 
     Returns:
         u of the next cycle (..., N, n) [N m].
 
     Note:
-        With lead = 0 the loop is unstable when sampled: the hold's delay breaks the passivity (15)
-        at high frequency, and the torque diverges after tens to hundreds of cycles.
+        With lead = 0 and all harmonics the loop is unstable when sampled: the hold's delay breaks
+        the passivity (15) at high frequency, and the torque diverges after tens to hundreds of
+        cycles; `divergence` predicts when.
     """
-    v = u - corrected(y, gain, lead)
+    v = low_pass(u - corrected(y, gain, lead), harmonics)
     q_bar = q - np.asarray(q_s)[..., None, :]
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
@@ -126,14 +129,15 @@ def low_pass(v: np.ndarray, harmonics: int | None) -> np.ndarray:
     """A torque over a cycle with its first harmonics only, without a shift in phase.
 
     Args:
-        v: torque over a cycle, read as periodic (N, n) [N m].
+        v: torque over a cycle, read as periodic (..., N, n) [N m].
         harmonics: how many to keep besides the mean; None for all.
     """
-    if harmonics is None or harmonics >= len(v) // 2:
+    steps = v.shape[-2]
+    if harmonics is None or harmonics >= steps // 2:
         return v
-    spectrum = np.fft.rfft(v, axis=0)
-    spectrum[harmonics + 1 :] = 0.0
-    return np.fft.irfft(spectrum, n=len(v), axis=0)
+    spectrum = np.fft.rfft(v, axis=-2)
+    spectrum[..., harmonics + 1 :, :] = 0.0
+    return np.fft.irfft(spectrum, n=steps, axis=-2)
 
 
 def resample(u: np.ndarray, steps: int) -> np.ndarray:

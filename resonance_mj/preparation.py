@@ -9,6 +9,7 @@ import numpy as np
 from . import laws, warnings
 from . import motion as motions
 from .controller import standard
+from .errors import StabilityError
 from .experiment import Experiment
 from .gains import Gains, gains
 from .kinematics import Kinematics
@@ -27,6 +28,7 @@ class Prepared:
     law: CustomLaw
     gains: Gains
     notes: tuple[str, ...]
+    unstable: tuple[str, ...]
     optima: list[Optimum]
     q_c: np.ndarray
     q_s: np.ndarray
@@ -78,16 +80,25 @@ def prepare(experiment: Experiment) -> Prepared:
     found = follow(experiment, robot)
     optima = along(experiment, robot, found)
     chosen = gains(experiment, robot)
+    unstable = tuple(warnings.unstable(experiment, robot, chosen, found, optima))
     return Prepared(
         experiment=experiment,
         robot=robot,
         law=law,
         gains=chosen,
-        notes=(*robot.notes, *warnings.before(experiment, robot, chosen, found, optima)),
+        notes=(*robot.notes, *warnings.before(robot, found, optima), *unstable),
+        unstable=unstable,
         optima=optima,
         q_c=center(experiment.law.q_c, found, robot),
         q_s=center(experiment.law.q_s, found, robot),
     )
+
+
+def refuse_unstable(one: Prepared) -> None:
+    """Raise a StabilityError if something of an experiment will diverge."""
+    if one.unstable:
+        more = f" (and {len(one.unstable) - 1} more)" if len(one.unstable) > 1 else ""
+        raise StabilityError(f"experiment {one.experiment.name!r}: {one.unstable[0]}{more}")
 
 
 def load_law(memory: Memory, index: int, one: Prepared) -> None:

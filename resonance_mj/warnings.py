@@ -1,13 +1,16 @@
-"""What to know before a run starts: motors too weak, gains too high, poses nearly singular."""
+"""What to know before a run starts: motors too weak, poses nearly singular, what will diverge."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from .divergence import Divergence, divergence
 from .experiment import Experiment
 from .gains import Gains
 from .kinematics import JointMotion, Kinematics
-from .optimal_springs import Optimum
+from .optimal_springs import Optimum, center
 from .robot import Robot
 
 NEAR_SINGULAR = 0.02
@@ -16,21 +19,17 @@ NEAR_SINGULAR = 0.02
 POSES = 40
 """Poses along a cycle at which gains and singular values are looked at."""
 
+WORTHWHILE = 0.05
+"""Multiple of a learning gain from which it is worth saying that it would not diverge."""
 
-def before(
-    experiment: Experiment,
-    robot: Robot,
-    gains: Gains,
-    found: list[JointMotion],
-    optima: list[Optimum],
-) -> list[str]:
-    """Warnings about an experiment that can be given before it runs, a line each."""
+
+def before(robot: Robot, found: list[JointMotion], optima: list[Optimum]) -> list[str]:
+    """What may go wrong on an arm with its motions, a line each."""
     said = []
     kinematics = Kinematics(robot)
     for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
         name = f"motion.{index}"
-        poses = joints.q[:: max(1, len(joints.q) // POSES)]
-        J = np.array([kinematics.jacobian(q) for q in poses])
+        J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
         values = np.linalg.svd(J, compute_uv=False)
         nearest = float((values[:, -1] / values[:, 0]).min())
         if nearest < NEAR_SINGULAR:
@@ -39,8 +38,40 @@ def before(
                 f"{nearest:.1e} of its largest"
             )
         said += _weak_motors(name, robot, best)
-        said += _unstable_feedback(name, experiment, kinematics, gains, poses, J)
     return said
+
+
+def unstable(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    found: list[JointMotion],
+    optima: list[Optimum],
+) -> list[str]:
+    """What will diverge, a line each: feedback or learning that is unstable when sampled.
+
+    What a law's file does is not looked at.
+    """
+    said = []
+    q_c = center(experiment.law.q_c, found, robot)
+    start = robot.home, np.zeros(robot.n)
+    for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
+        name, motion = f"motion.{index}", experiment.motion[index]
+        lines = _unstable_feedback(name, experiment, robot, gains, joints)
+        # Under feedback that is unstable there is no response to learn from.
+        if not lines and not experiment.law.kind.endswith(".py"):
+            why = divergence(
+                experiment, robot, gains, joints, best, q_c=q_c, blend=motion.blend, start=start
+            )
+            if why:
+                lines = [_learning(name, experiment, gains, why, motion.cycles, motion.period)]
+        said += lines
+        start = joints.q[0], joints.dq[0]
+    return said
+
+
+def _poses(joints: JointMotion) -> np.ndarray:
+    return joints.q[:: max(1, len(joints.q) // POSES)]
 
 
 def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
@@ -63,25 +94,20 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
 
 
 def _unstable_feedback(
-    name: str,
-    experiment: Experiment,
-    kinematics: Kinematics,
-    gains: Gains,
-    poses: np.ndarray,
-    J: np.ndarray,
+    name: str, experiment: Experiment, robot: Robot, gains: Gains, joints: JointMotion
 ) -> list[str]:
     """Feedback that is unstable when sampled: an eigenvalue of M⁻¹ (Jᵀ K_v J + G) above 2/dt."""
+    kinematics = Kinematics(robot)
     limit = 2.0 / experiment.simulation.timestep
     highest = max(
         float(
             np.linalg.eigvals(
                 np.linalg.solve(
-                    kinematics.inertia(q),
-                    jacobian.T @ (gains.k_v[:, None] * jacobian) + gains.feedback,
+                    kinematics.inertia(q), J.T @ (gains.k_v[:, None] * J) + gains.feedback
                 )
             ).real.max()
         )
-        for q, jacobian in zip(poses, J, strict=True)
+        for q, J in ((q, kinematics.jacobian(q)) for q in _poses(joints))
     )
     if highest <= limit:
         return []
@@ -91,3 +117,36 @@ def _unstable_feedback(
         f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
         f"{value * limit / highest:.3g}"
     ]
+
+
+def _learning(
+    name: str, experiment: Experiment, gains: Gains, why: Divergence, cycles: int, period: float
+) -> str:
+    """That learning a motion will diverge, how and when, and what would not."""
+    law, grows = experiment.law, why.onset
+    key, value = ("law.eta", law.eta) if law.beta is None else ("law.beta", law.beta)
+    cures = []
+    if why.lead is not None:
+        cures.append(f"law.lead = {why.lead}")
+    if why.harmonics:
+        cures.append(f"law.harmonics = {why.harmonics}")
+    if why.margin > WORTHWHILE:
+        cures.append(f"{key} = {_rounded_down(value * why.margin):g}")
+    when = (
+        f"about cycle {float(f'{grows.cycle:.2g}'):.0f}"
+        if math.isfinite(grows.cycle)
+        else "after more than ten million cycles"
+    )
+    ends = f"of {cycles}" if grows.cycle <= cycles else f"and this run ends at cycle {cycles}"
+    return (
+        f"learning diverges {when} of such a motion as {name}, {ends}: with {key} = {value:g} and "
+        f"law.lead = {gains.lead} harmonics of 1/T from {grows.first} on grow, {grows.fastest} "
+        f"({grows.fastest / period:g} Hz) fastest, by {100 * grows.growth:.2g} % in a cycle; "
+        + (f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller")
+    )
+
+
+def _rounded_down(value: float) -> float:
+    """A value with two digits that is not above the given one."""
+    digits = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / digits) * digits
