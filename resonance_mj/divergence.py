@@ -11,7 +11,7 @@ from .experiment import Experiment
 from .gains import Gains
 from .kinematics import JointMotion
 from .onset import Onset
-from .optimal_springs import Optimum
+from .optimal_springs import Optimum, center
 from .robot import Robot
 from .stability import examined, learning_loop
 
@@ -39,61 +39,76 @@ class Divergence(NamedTuple):
     margin: float
 
 
-def divergence(
+def divergences(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    found: list[JointMotion],
+    optima: list[Optimum],
+) -> list[Divergence | None]:
+    """Of each motion of an experiment, how learning it alone will diverge; None if it will not.
+
+    Args:
+        experiment: what would be run, with a law of this program.
+        robot: its arm.
+        gains: as the arm has them.
+        found: the joint motions.
+        optima: their optima; the springs are taken to be there.
+    """
+    q_c = center(experiment.law.q_c, found, robot)
+    start = np.concatenate([robot.home, np.zeros(robot.n)])
+    said = []
+    for motion, joints, best in zip(experiment.motion, found, optima, strict=True):
+        begun = np.concatenate([joints.q[0], joints.dq[0]])
+        jump = None if motion.blend else start - begun
+        why = _of_motion(experiment, robot, gains, joints, best, q_c, jump)
+        if why:
+            # A passage into the motion teaches nothing.
+            cycle = why.onset.cycle + motion.blend
+            why = why._replace(onset=why.onset._replace(cycle=cycle))
+        said.append(why)
+        start = begun
+    return said
+
+
+def _of_motion(
     experiment: Experiment,
     robot: Robot,
     gains: Gains,
     joints: JointMotion,
     best: Optimum,
-    *,
     q_c: np.ndarray,
-    blend: int,
-    start: tuple[np.ndarray, np.ndarray],
+    jump: np.ndarray | None,
 ) -> Divergence | None:
-    """Whether learning one motion of an experiment diverges, and how.
-
-    Args:
-        experiment: what would be run.
-        robot: its arm.
-        gains: as the arm has them.
-        joints: the joint motion.
-        best: its optimum; the springs are taken to be there.
-        q_c: centre of the regressor of (6) (n,) [rad].
-        blend: cycles of the passage into the motion, which teach nothing.
-        start: joint angles and velocities before a motion without a passage (n,) [rad, rad/s].
-
-    Returns:
-        None if it does not diverge.
-    """
     steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
 
-    def along(q: np.ndarray) -> sampled_loop.SampledLoop:
+    def at(q: np.ndarray) -> sampled_loop.SampledLoop:
         return sampled_loop.along(experiment, robot, gains, q, stiffness=best.stiffness, q_c=q_c)
 
-    poses = joints.q[np.arange(POSES) * steps // POSES]
-    loop = learning_loop(along(poses), gains.learning, steps, examined(steps, kept))
+    arm = at(joints.q[np.arange(POSES) * steps // POSES])
+    if not arm.stable:
+        return None
+    loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))
     margin = loop.margin(lead, kept)
     if margin >= 1:
         return None
-    limit, torque = best.torque_squared_without_springs, best.torque_without_springs
-    jump = np.concatenate([start[0] - joints.q[0], start[1] - joints.dq[0]])
-    begun = onset.at_the_beginning(
-        limit,
-        along(joints.q[:1]),
+    limit = best.torque_squared_without_springs
+    begins = onset.Beginning(
+        at(joints.q[:1]),
         gains.learning,
-        torque,
+        best.torque_without_springs,
         lead=lead,
         kept=kept,
-        jump=None if blend else jump,
+        jump=jump,
     )
-    found = [begun, onset.elsewhere(loop, lead=lead)]
+    first = onset.at_the_beginning(limit, begins)
+    grows = [first, onset.elsewhere(loop, lead=lead)]
     # At most what it would be if the poses were held: the eigenvalues take time.
     most = float(loop.multiplier(lead)[:, loop.low].max()) - 1
-    if most > (begun.growth if begun else 0):
-        found.append(onset.of_low_harmonics(limit, loop, torque, lead=lead, kept=kept))
-    earliest = min((one for one in found if one), key=lambda one: one.cycle)
+    if most > (first.growth if first else 0):
+        grows.append(onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept))
     return Divergence(
-        onset=earliest._replace(cycle=earliest.cycle + blend),
+        onset=min((one for one in grows if one), key=lambda one: one.cycle),
         lead=next((one for one in LEADS if loop.margin(one, kept) >= 1), None),
         harmonics=loop.most_harmonics(lead),
         margin=margin,

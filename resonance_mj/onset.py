@@ -10,7 +10,8 @@ that the motion needs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -45,102 +46,123 @@ class Onset(NamedTuple):
     cycle: float
 
 
-def at_the_beginning(
-    limit: float,
-    loop: SampledLoop,
-    learning: np.ndarray,
-    torque: np.ndarray,
-    *,
-    lead: int,
-    kept: int | None,
-    jump: np.ndarray | None,
-) -> Onset | None:
-    """What grows at the beginning of the cycle, above the low harmonics.
+class Beginning:
+    """Learning from the first cycle on, with the pose held that the arm has when a cycle begins.
 
-    With the pose held, the harmonics U_i of the learned torque of cycle i follow
+    The harmonics U_i of the learned torque of cycle i follow
 
         Y_i = G (U_i - τ_d) + z C (z I - A)⁻¹ e_i / N
         U_{i+1} = U_i - β e^{jωδΔt} Y_i,        e_{i+1} = x̄(U_i) - x̄(U_{i+1})
 
-    with e_i the difference, at the beginning of a cycle, of the arm's state from the periodic one,
-    and x̄(U) the periodic state under U.
+    with e_i the difference, when the cycle begins, of the arm's state from the periodic one, and
+    x̄(U) the periodic state under U.
 
     Args:
-        limit: mean torque² of the motors, their feedback included [N² m²].
-        loop: the arm at the pose at the beginning of the cycle, P = 1.
+        loop: the arm at this pose, P = 1.
         learning: β (n, n) [N m s/rad].
         torque: τ_d (N, n) [N m].
         lead: δ [control periods].
         kept: harmonics that the learned torque keeps; None for all.
-        jump: (Δq, Δq̇) at the beginning of the first cycle (2n,); None for a smooth passage.
+        jump: (Δq, Δq̇) when the first cycle begins (2n,); None for a smooth passage.
     """
-    steps, n = torque.shape
-    last = steps // 2 if kept is None else min(kept, steps // 2)
-    h = np.arange(last + 1)
-    z = on_circle(h, steps)[:, None, None]
-    A, B, C, F = (part[0] for part in loop)
-    # Both harmonics ±h of a real signal; there is one of the mean, and one of half the sampling.
-    both = np.where((h == 0) | (2 * h == steps), 1.0, 2.0)[:, None]
-    resolvent = np.linalg.inv(z * np.eye(len(A)) - A)
-    state = resolvent @ B
-    gain = ahead(h, lead, steps)[:, None, None] * learning
-    P = np.eye(n) - gain @ C @ state
-    growth = np.abs(np.linalg.eigvals(P)).max(axis=-1) - 1
-    growth[: low_harmonics(steps) + 1] = 0
+
+    def __init__(
+        self,
+        loop: SampledLoop,
+        learning: np.ndarray,
+        torque: np.ndarray,
+        *,
+        lead: int,
+        kept: int | None,
+        jump: np.ndarray | None,
+    ) -> None:
+        self.steps, n = torque.shape
+        last = self.steps // 2 if kept is None else min(kept, self.steps // 2)
+        self.harmonics = h = np.arange(last + 1)
+        z = on_circle(h, self.steps)[:, None, None]
+        A, B, C, F = (part[0] for part in loop)
+        resolvent = np.linalg.inv(z * np.eye(len(A)) - A)
+        self._state = resolvent @ B
+        # There are harmonics h and -h of a real signal; one of the mean and of half the sampling.
+        self._both = np.where((h == 0) | (2 * h == self.steps), 1.0, 2.0)[:, None]
+        self._motors = np.eye(n) - F @ self._state
+        gain = ahead(h, lead, self.steps)[:, None, None] * learning
+        self.P = np.eye(n) - gain @ C @ self._state
+        self._transient = gain @ (z * (C @ resolvent)) / self.steps
+        self.needed = np.fft.rfft(torque, axis=0)[: last + 1] / self.steps
+        self._e = np.zeros(len(A))
+        if jump is not None:
+            self._e = self._periodic(self.needed)
+            self._e[: 2 * n] += jump
+
+    def learned(self) -> Iterator[np.ndarray]:
+        """Harmonics of the learned torque of the first cycle, the second, and so on (H, n)."""
+        U, e = np.zeros_like(self.needed), self._e
+        while True:
+            yield U
+            new = self.needed + _times(self.P, U - self.needed) - self._transient @ e
+            U, e = new, self._periodic(U) - self._periodic(new)
+
+    def torque_squared(self, U: np.ndarray, first: int) -> float:
+        """Mean torque² of the motors by the harmonics U of `first` and above [N² m²]."""
+        torque = _times(self._motors[first:], U)
+        return float((self._both[first:] * np.abs(torque) ** 2).sum())
+
+    def _periodic(self, U: np.ndarray) -> np.ndarray:
+        return (self._both * _times(self._state, U)).real.sum(axis=0)
+
+
+def at_the_beginning(limit: float, begins: Beginning) -> Onset | None:
+    """What grows where a cycle begins, above the low harmonics, until torque² passes a limit."""
+    growth = np.abs(np.linalg.eigvals(begins.P)).max(axis=-1) - 1
+    growth[: low_harmonics(begins.steps) + 1] = 0
     if growth.max() <= GROWTH:
         return None
     first = int(np.argmax(growth > GROWTH))
-    motors = (np.eye(n) - F @ state)[first:]
-
-    def periodic(U: np.ndarray) -> np.ndarray:
-        return (both * _times(state, U)).real.sum(axis=0)
 
     def below(U: np.ndarray) -> bool:
-        return float((both[first:] * np.abs(_times(motors, U)) ** 2).sum()) <= limit
+        return begins.torque_squared(U, first) <= limit
 
-    needed = np.fft.rfft(torque, axis=0)[: last + 1] / steps
-    e = np.zeros(len(A))
-    if jump is not None:
-        e = periodic(needed)
-        e[: 2 * n] += jump
-    begun = gain @ (z * (C @ resolvent)) / steps
-    U, cycle = np.zeros((last + 1, n), complex), 1
-    while below(U[first:]) and cycle < SETTLED:
-        new = needed + _times(P, U - needed) - begun @ e
-        e = periodic(U) - periodic(new)
-        U, cycle = new, cycle + 1
-    more = _times_until(below, P[first:], U[first:])
+    for cycle, U in enumerate(islice(begins.learned(), SETTLED), 1):
+        if not below(U[first:]):
+            break
+    more = _times_until(below, begins.P[first:], U[first:])
     return Onset(first, int(growth.argmax()), float(growth.max()), cycle + more)
 
 
 def of_low_harmonics(
-    limit: float, loop: LearningLoop, torque: np.ndarray, *, lead: int, kept: int | None
+    limit: float, loop: LearningLoop, begins: Beginning, *, lead: int, kept: int | None
 ) -> Onset | None:
-    """What grows of the low harmonics, which the change of the pose couples.
+    """What grows of the low harmonics together, until its mean square passes a limit.
 
     Args:
-        limit: mean square of what has grown [N² m²].
+        limit: [N² m²].
         loop: the loop of learning along the cycle.
-        torque: τ_d (N, n) [N m].
+        begins: gives what is there to grow: τ_d, and what the first cycle teaches beside it.
         lead: δ [control periods].
         kept: harmonics that the learned torque keeps; None for all.
     """
-    steps, n = torque.shape
     coupled = loop.coupled(lead, kept)
-    most = (len(coupled) // n - 1) // 2
-    values, vectors = np.linalg.eig(np.eye(len(coupled)) - coupled)
-    worst = int(np.abs(values).argmax())
-    growth = float(np.abs(values[worst])) - 1
-    if growth <= GROWTH_LOW:
+    P = np.eye(len(coupled)) - coupled
+    values, vectors = np.linalg.eig(P)
+    growth = np.abs(values) - 1
+    grows = growth > GROWTH_LOW
+    if not grows.any():
         return None
-    h = np.arange(-most, most + 1)
-    needed = (np.fft.fft(torque, axis=0)[h] / steps).ravel()
-    share = np.linalg.solve(vectors, needed)[worst] * vectors[:, worst]
-    # The growing harmonics are those of a pair of conjugate vectors, unless they are real.
-    begun = float((np.abs(share) ** 2).sum()) * (2 if values[worst].imag else 1)
-    fastest = int(np.abs(h[np.abs(share).argmax() // n]))
-    cycle = 1 + np.ceil(np.log(max(limit / max(begun, 1e-300), 1)) / (2 * np.log1p(growth)))
-    return Onset(loop.most_harmonics(lead) + 1, fastest, growth, float(cycle))
+    n = begins.needed.shape[1]
+    most = (len(P) // n - 1) // 2
+    _, second = islice(begins.learned(), 2)
+    beside = second - begins.needed + _times(begins.P, begins.needed)
+    left = beside[: most + 1] - (P @ _both_sides(begins.needed[: most + 1])).reshape(-1, n)[most:]
+    share = np.linalg.solve(vectors, _both_sides(left))[grows, None]
+    shapes = vectors[:, grows]
+
+    def below(share: np.ndarray) -> bool:
+        return float((np.abs(shapes @ share) ** 2).sum()) <= limit
+
+    fastest = int(np.abs(vectors[:, growth.argmax()]).argmax()) // n - most
+    more = _times_until(below, values[grows, None, None], share)
+    return Onset(loop.most_harmonics(lead) + 1, abs(fastest), float(growth.max()), 2 + more)
 
 
 def elsewhere(loop: LearningLoop, *, lead: int) -> Onset | None:
@@ -169,6 +191,11 @@ def _times_until(below: Callable[[np.ndarray], bool], P: np.ndarray, U: np.ndarr
             if below(further):
                 U, count = further, count + 2**exponent
     return count + 1.0
+
+
+def _both_sides(ascending: np.ndarray) -> np.ndarray:
+    """Harmonics from -most to most of a real signal, from those from 0 to most, in one vector."""
+    return np.concatenate([ascending[:0:-1].conj(), ascending]).ravel()
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -34,6 +34,11 @@ class SampledLoop(NamedTuple):
     F: np.ndarray
     """(P, n, states)."""
 
+    @property
+    def stable(self) -> bool:
+        """Whether the arm comes to rest at each pose; else it has no response to learn from."""
+        return bool(np.abs(np.linalg.eigvals(self.A)).max() <= 1 + 1e-9)
+
     def state(self, z: np.ndarray) -> np.ndarray:
         """Response of x to u, (z I - A)⁻¹ B at each z = e^{jωΔt} (P, H, states, n)."""
         identity = np.eye(self.A.shape[-1])

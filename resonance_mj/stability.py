@@ -87,7 +87,7 @@ class LearningLoop(NamedTuple):
 
     def most_harmonics(self, lead: int) -> int:
         """The largest number of harmonics found with which none grows; 0 if none is."""
-        grows = (self.multiplier(lead) > 1 + GROWTH).any(axis=0)
+        grows = self.multiplier(lead).max(axis=0) > 1 + GROWTH
         stable = self._before(grows)
         last = int(self.harmonics[self.low].max())
         if stable >= last / 2:

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from .divergence import Divergence, divergence
+from .divergence import Divergence, divergences
 from .experiment import Experiment
 from .gains import Gains
 from .kinematics import JointMotion, Kinematics
-from .optimal_springs import Optimum, center
+from .optimal_springs import Optimum
 from .robot import Robot
 
 NEAR_SINGULAR = 0.02
@@ -50,23 +50,17 @@ def unstable(
 ) -> list[str]:
     """What will diverge, a line each: feedback or learning that is unstable when sampled.
 
-    What a law's file does is not looked at.
+    What the file of a law of one's own does is not looked at.
     """
+    learns: list[Divergence | None] = [None] * len(found)
+    if not experiment.law.kind.endswith(".py"):
+        learns = divergences(experiment, robot, gains, found, optima)
     said = []
-    q_c = center(experiment.law.q_c, found, robot)
-    start = robot.home, np.zeros(robot.n)
-    for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
+    for index, (joints, why) in enumerate(zip(found, learns, strict=True)):
         name, motion = f"motion.{index}", experiment.motion[index]
-        lines = _unstable_feedback(name, experiment, robot, gains, joints)
-        # Under feedback that is unstable there is no response to learn from.
-        if not lines and not experiment.law.kind.endswith(".py"):
-            why = divergence(
-                experiment, robot, gains, joints, best, q_c=q_c, blend=motion.blend, start=start
-            )
-            if why:
-                lines = [_learning(name, experiment, gains, why, motion.cycles, motion.period)]
-        said += lines
-        start = joints.q[0], joints.dq[0]
+        said += _unstable_feedback(name, experiment, robot, gains, joints)
+        if why:
+            said.append(_diverging(name, experiment, gains, why, motion.cycles, motion.period))
     return said
 
 
@@ -119,7 +113,7 @@ def _unstable_feedback(
     ]
 
 
-def _learning(
+def _diverging(
     name: str, experiment: Experiment, gains: Gains, why: Divergence, cycles: int, period: float
 ) -> str:
     """That learning a motion will diverge, how and when, and what would not."""
@@ -137,11 +131,12 @@ def _learning(
         if math.isfinite(grows.cycle)
         else "after more than ten million cycles"
     )
+    percent = float(f"{100 * grows.growth:.2g}")
     ends = f"of {cycles}" if grows.cycle <= cycles else f"and this run ends at cycle {cycles}"
     return (
         f"learning diverges {when} of such a motion as {name}, {ends}: with {key} = {value:g} and "
         f"law.lead = {gains.lead} harmonics of 1/T from {grows.first} on grow, {grows.fastest} "
-        f"({grows.fastest / period:g} Hz) fastest, by {100 * grows.growth:.2g} % in a cycle; "
+        f"({grows.fastest / period:g} Hz) fastest, by {percent:g} % in a cycle; "
         + (f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller")
     )
 
