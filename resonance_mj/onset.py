@@ -123,10 +123,9 @@ def at_the_beginning(limit: float, begins: Beginning) -> Onset | None:
     def below(U: np.ndarray) -> bool:
         return begins.torque_squared(U, first) <= limit
 
-    for cycle, U in enumerate(islice(begins.learned(), SETTLED), 1):
-        if not below(U[first:]):
-            break
-    more = _times_until(below, begins.P[first:], U[first:])
+    learned = [U[first:] for U in islice(begins.learned(), SETTLED)]
+    cycle = next((i for i, U in enumerate(learned, 1) if not below(U)), SETTLED)
+    more = _times_until(below, begins.P[first:], learned[cycle - 1])
     return Onset(first, int(growth.argmax()), float(growth.max()), cycle + more)
 
 
