@@ -74,6 +74,9 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--certify", action="store_true", help="check on the run what the stability proof claims"
     )
+    run.add_argument(
+        "--strict", action="store_true", help="refuse what will diverge, instead of a warning"
+    )
     run.epilog = _KEYS
 
     optimum = _command(commands, "optimum", _optimum, "the best constant springs of an experiment")
@@ -206,7 +209,7 @@ def _run(options: argparse.Namespace) -> int:
     console = _console()
     # Imported while MuJoCo steps, which leaves Python's lock to others.
     threading.Thread(target=import_module, args=("resonance_mj.figures",), daemon=True).start()
-    run = _simulate(experiment, options.interpret, console)
+    run = _simulate(experiment, options, console)
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
     if run.data.sizes["time"]:
@@ -229,7 +232,7 @@ def _run(options: argparse.Namespace) -> int:
     return NOT_WELL
 
 
-def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
+def _simulate(experiment: Experiment, options: argparse.Namespace, console: Console) -> Run:
     """Simulate behind a progress bar."""
     from . import simulation
 
@@ -237,7 +240,8 @@ def _simulate(experiment: Experiment, interpret: bool, console: Console) -> Run:
     with _bar(experiment.name, total, console) as show:
         return simulation.simulate(
             experiment,
-            interpret=interpret,
+            interpret=options.interpret,
+            strict=options.strict,
             progress=show,
             note=lambda line: console.print(f"  {line}", soft_wrap=True),
         )

@@ -20,6 +20,10 @@ class MotionError(ResonanceError):
     """The desired motion is out of the arm's reach or passes through a singular pose."""
 
 
+class StabilityError(ResonanceError):
+    """The feedback or the learning will diverge, and the caller asked to refuse that."""
+
+
 class CallbackError(ResonanceError):
     """The control callback cannot be installed."""
 

@@ -353,6 +353,12 @@ class Experiment(_Model):
                     f"law.lead = {self.law.lead} is not shorter than the {round(steps)} time "
                     f"steps of a cycle of motion.{index}"
                 )
+            nyquist = round(steps) // 2
+            if self.law.harmonics is not None and self.law.harmonics > nyquist:
+                raise ValueError(
+                    f"law.harmonics = {self.law.harmonics} is above the Nyquist limit of "
+                    f"motion.{index}, period / (2 timestep) = {nyquist}; valid are 1 to {nyquist}"
+                )
         return self
 
     @model_validator(mode="after")

@@ -137,7 +137,11 @@ def inspect(experiment: Experiment) -> Inspection:
         conditioning=np.array([one[-1] / one[0] for one in values]),
         gains=gains,
         torque_reduction=optima[0].torque_reduction,
-        notes=(*robot.notes, *warnings.before(complete, robot, gains, found, optima)),
+        notes=(
+            *robot.notes,
+            *warnings.before(complete, robot, found, optima),
+            *warnings.unstable(complete, robot, gains, found, optima),
+        ),
     )
 
 

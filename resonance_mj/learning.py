@@ -74,8 +74,9 @@ def learn(
         u of the next cycle (..., N, n) [N m].
 
     Note:
-        With lead = 0 the loop is unstable when sampled: the hold's delay breaks the passivity (15)
-        at high frequency, and the torque diverges after tens to hundreds of cycles.
+        With lead = 0 and all harmonics the loop is unstable when sampled: the hold's delay breaks
+        the passivity (15) at high frequency, and the torque diverges after tens to hundreds of
+        cycles; `divergence` predicts when.
     """
     v = low_pass(u - corrected(y, gain, lead), harmonics)
     q_bar = q - np.asarray(q_s)[..., None, :]

@@ -21,6 +21,7 @@ def printed(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The law as printed. (9): u(t+T) is u - β y but for a multiple of q̄. (11): u(t+T) ⟂ q̄."""
     v = now.u - learning.corrected(now.y, gains.learning, gains.lead)
+    v = learning.low_pass(v, gains.harmonics)
     q_bar = now.q - q_s
     dropped = v - then.u
     return share(dropped - _along(dropped, q_bar), v), share(_along(then.u, q_bar), v)

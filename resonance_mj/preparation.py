@@ -10,6 +10,7 @@ import numpy as np
 
 from . import laws, springs, warnings
 from . import motion as motions
+from .errors import StabilityError
 from .experiment import Experiment
 from .gains import Gains, gains
 from .kinematics import JointMotion, Kinematics
@@ -43,6 +44,7 @@ class Prepared:
     gains: Gains
     notes: tuple[str, ...]
     joints: list[JointMotion]
+    unstable: tuple[str, ...]
     optima: list[Optimum]
     q_c: np.ndarray
     q_s: np.ndarray
@@ -139,13 +141,15 @@ def prepare(experiment: Experiment, followed: Followed | None = None) -> Prepare
     found = followed[path]
     optima = along(experiment, robot, found)
     chosen = gains(experiment, robot)
+    unstable = tuple(warnings.unstable(experiment, robot, chosen, found, optima))
     prepared = Prepared(
         experiment=experiment,
         robot=robot,
         loaded=[robot.carrying(motion.payload) for motion in experiment.motion],
         law=law,
         gains=chosen,
-        notes=(*robot.notes, *warnings.before(experiment, robot, chosen, found, optima)),
+        notes=(*robot.notes, *warnings.before(experiment, robot, found, optima), *unstable),
+        unstable=unstable,
         joints=found,
         optima=optima,
         q_c=center(experiment.law.q_c, found, robot),
@@ -169,6 +173,13 @@ def _path(experiment: Experiment) -> tuple[object, ...]:
         experiment.law.alpha_0,
         one_cycle,
     )
+
+
+def refuse_unstable(one: Prepared) -> None:
+    """Raise a StabilityError if something of an experiment will diverge."""
+    if one.unstable:
+        more = f" (and {len(one.unstable) - 1} more)" if len(one.unstable) > 1 else ""
+        raise StabilityError(f"experiment {one.experiment.name!r}: {one.unstable[0]}{more}")
 
 
 def load_law(memory: Memory, index: int, one: Prepared) -> None:

@@ -11,7 +11,7 @@ from . import controller, learning
 from .callback import installed, refuse_another
 from .experiment import Experiment
 from .memory import Memory
-from .preparation import Followed, Prepared, load_law, load_motion, prepare
+from .preparation import Followed, Prepared, load_law, load_motion, prepare, refuse_unstable
 from .recording import Recording
 from .run import Run, Status
 from .stepper import Alone, Stepper, Together
@@ -24,6 +24,7 @@ def simulate(
     experiment: Experiment,
     *,
     interpret: bool = False,
+    strict: bool = False,
     progress: Progress | None = None,
     note: Callable[[str], None] | None = None,
 ) -> Run:
@@ -33,6 +34,7 @@ def simulate(
         experiment: what to simulate, from `load`.
         interpret: run the law as plain Python in the callback, for a debugger; the same numbers,
             some thirty times slower.
+        strict: refuse what will diverge, where it would be a note else.
         progress: called after each cycle with the cycles done and the cycles in all.
         note: called before the first step with each thing that was found, changed or is doubtful;
             they stand in `Run.notes` too.
@@ -43,10 +45,13 @@ def simulate(
     Raises:
         RobotError: the robot cannot be loaded.
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        StabilityError: the feedback or the learning will diverge, and `strict` is set.
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
     prepared = prepare(experiment)
+    if strict:
+        refuse_unstable(prepared)
     if note is not None:
         for line in prepared.notes:
             note(line)
@@ -57,6 +62,7 @@ def simulate_many(
     experiments: Sequence[Experiment],
     *,
     threads: int = 0,
+    strict: bool = False,
     progress: Progress | None = None,
 ) -> list[Run]:
     """Simulate many experiments together, on all cores, through `mujoco.batch`.
@@ -67,6 +73,7 @@ def simulate_many(
     Args:
         experiments: what to simulate.
         threads: how many to use; 0 for all cores.
+        strict: refuse them all if one will diverge, where it would be a note else.
         progress: called after each cycle with the cycles done and the cycles in all experiments.
 
     Returns:
@@ -75,11 +82,15 @@ def simulate_many(
     Raises:
         RobotError: a robot cannot be loaded.
         MotionError: a motion leaves an arm's reach or passes through a singular pose.
+        StabilityError: the feedback or the learning of one will diverge, and `strict` is set.
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
     followed: Followed = {}
     prepared = [prepare(experiment, followed) for experiment in experiments]
+    if strict:
+        for one in prepared:
+            refuse_unstable(one)
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, one in enumerate(prepared):
         groups.setdefault(one.fits_with, []).append(index)

@@ -1,9 +1,12 @@
-"""What to know before a run starts: motors too weak, gains too high, poses nearly singular."""
+"""What to know before a run starts: motors too weak, poses nearly singular, what will diverge."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from .divergence import Divergence, divergences
 from .experiment import Experiment
 from .gains import Gains
 from .kinematics import JointMotion, Kinematics
@@ -16,21 +19,22 @@ NEAR_SINGULAR = 0.02
 POSES = 40
 """Poses along a cycle at which gains and singular values are looked at."""
 
+ANALYSED = ("learning", "fixed", "paper", "transfer")
+"""Laws whose learning is from the task-space y of (8): what `divergence` predicts."""
+
+WORTHWHILE = 0.05
+"""Multiple of a learning gain from which it is worth saying that it would not diverge."""
+
 
 def before(
-    experiment: Experiment,
-    robot: Robot,
-    gains: Gains,
-    found: list[JointMotion],
-    optima: list[Optimum],
+    experiment: Experiment, robot: Robot, found: list[JointMotion], optima: list[Optimum]
 ) -> list[str]:
-    """Warnings about an experiment that can be given before it runs, a line each."""
+    """What may go wrong on an arm with its motions, a line each."""
     said = []
     for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
         name = f"motion.{index}"
         kinematics = Kinematics(robot.carrying(experiment.motion[index].payload))
-        poses = joints.q[:: max(1, len(joints.q) // POSES)]
-        J = np.array([kinematics.jacobian(q) for q in poses])
+        J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
         values = np.linalg.svd(J, compute_uv=False)
         nearest = float((values[:, -1] / values[:, 0]).min())
         if nearest < NEAR_SINGULAR:
@@ -39,8 +43,35 @@ def before(
                 f"{nearest:.1e} of its largest"
             )
         said += _weak_motors(name, robot, best)
-        said += _unstable_feedback(name, experiment, kinematics, gains, poses, J)
     return said
+
+
+def unstable(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    found: list[JointMotion],
+    optima: list[Optimum],
+) -> list[str]:
+    """What will diverge, a line each: feedback or learning that is unstable when sampled.
+
+    Of the laws, those of `ANALYSED` are looked at.
+    """
+    learns: list[Divergence | None] = [None] * len(found)
+    if experiment.law.kind in ANALYSED:
+        learns = divergences(experiment, robot, gains, found, optima)
+    said = []
+    for index, (joints, why) in enumerate(zip(found, learns, strict=True)):
+        name, motion = f"motion.{index}", experiment.motion[index]
+        loaded = robot.carrying(motion.payload)
+        said += _unstable_feedback(name, experiment, loaded, gains, joints)
+        if why:
+            said.append(_diverging(name, experiment, gains, why, motion.cycles, motion.period))
+    return said
+
+
+def _poses(joints: JointMotion) -> np.ndarray:
+    return joints.q[:: max(1, len(joints.q) // POSES)]
 
 
 def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
@@ -63,25 +94,20 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
 
 
 def _unstable_feedback(
-    name: str,
-    experiment: Experiment,
-    kinematics: Kinematics,
-    gains: Gains,
-    poses: np.ndarray,
-    J: np.ndarray,
+    name: str, experiment: Experiment, robot: Robot, gains: Gains, joints: JointMotion
 ) -> list[str]:
     """Feedback that is unstable when sampled: an eigenvalue of M⁻¹ (Jᵀ K_v J + G) above 2/dt."""
+    kinematics = Kinematics(robot)
     limit = 2.0 / experiment.simulation.timestep
     highest = max(
         float(
             np.linalg.eigvals(
                 np.linalg.solve(
-                    kinematics.inertia(q),
-                    jacobian.T @ (gains.k_v[:, None] * jacobian) + gains.feedback,
+                    kinematics.inertia(q), J.T @ (gains.k_v[:, None] * J) + gains.feedback
                 )
             ).real.max()
         )
-        for q, jacobian in zip(poses, J, strict=True)
+        for q, J in ((q, kinematics.jacobian(q)) for q in _poses(joints))
     )
     if highest <= limit:
         return []
@@ -92,3 +118,37 @@ def _unstable_feedback(
         f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
         f"{value * limit / highest:.3g}"
     ]
+
+
+def _diverging(
+    name: str, experiment: Experiment, gains: Gains, why: Divergence, cycles: int, period: float
+) -> str:
+    """That learning a motion will diverge, how and when, and what would not."""
+    law, grows = experiment.law, why.onset
+    key, value = ("law.eta", law.eta) if law.beta is None else ("law.beta", law.beta)
+    cures = []
+    if why.lead is not None:
+        cures.append(f"law.lead = {why.lead}")
+    if why.harmonics:
+        cures.append(f"law.harmonics = {why.harmonics}")
+    if why.margin > WORTHWHILE:
+        cures.append(f"{key} = {_rounded_down(value * why.margin):g}")
+    when = (
+        f"about cycle {float(f'{grows.cycle:.2g}'):.0f}"
+        if math.isfinite(grows.cycle)
+        else "after more than ten million cycles"
+    )
+    percent = float(f"{100 * grows.growth:.2g}")
+    ends = f"of {cycles}" if grows.cycle <= cycles else f"and this run ends at cycle {cycles}"
+    return (
+        f"learning diverges {when} of such a motion as {name}, {ends}: with {key} = {value:g} and "
+        f"law.lead = {gains.lead} harmonics of 1/T from {grows.first} on grow, {grows.fastest} "
+        f"({grows.fastest / period:g} Hz) fastest, by {percent:g} % in a cycle; "
+        + (f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller")
+    )
+
+
+def _rounded_down(value: float) -> float:
+    """A value with two digits that is not above the given one."""
+    digits = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / digits) * digits

@@ -1,0 +1,253 @@
+"""Divergence predicted and measured: the tables and the figure of docs/stability.md.
+
+    python benchmarks/stability.py [--cycles N] [--out FOLDER]
+
+Each motion of `paper-centered` alone, as in docs/reproduction.md. Predictions are those of
+`resonance-mj run`; measured is what the runs do. The figure is written as stability.png.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from readings import Changes, alone
+
+import resonance_mj as rmj
+from resonance_mj import sampled_loop
+from resonance_mj.divergence import POSES, Divergence, divergences
+from resonance_mj.figures import MUTED, STYLE
+from resonance_mj.optimal_springs import follow
+from resonance_mj.preparation import prepare
+from resonance_mj.stability import learning_loop
+
+BETAS = (1.0, 3.0, 10.0)
+LEADS = (0, 1, 2)
+KEPT = (None, 20)
+LATER = 2.0
+"""How far beyond the predicted divergence a motion is simulated."""
+
+OF_LEADS = ("#0072B2", "#D55E00", "#009E73")
+OF_BETAS = ("#56B4E9", "#E69F00", "#CC79A7")
+"""Of Okabe and Ito's palette."""
+
+
+@dataclass
+class Case:
+    """One motion with one law, what is predicted for it and what came out."""
+
+    motion: int
+    beta: float
+    lead: int
+    kept: int | None
+    why: Divergence | None
+    experiment: rmj.Experiment
+    run: rmj.Run | None = None
+
+    @property
+    def ratio(self) -> np.ndarray:
+        """Torque² of each cycle as a multiple of that without springs."""
+        data = self.run.data
+        return data["torque_squared"].values / float(data["torque_squared_without_springs"][0])
+
+    @property
+    def worse(self) -> int | None:
+        """The first cycle, counted from 1, from which torque² stays above that without springs."""
+        better = np.flatnonzero(self.ratio <= 1)
+        cycle = int(better[-1]) + 2 if len(better) else 1
+        return cycle if cycle <= len(self.ratio) else None
+
+    @property
+    def amplitude(self) -> np.ndarray:
+        """|U| of each recorded cycle at the harmonic predicted to grow fastest (cycles,)."""
+        data = self.run.data
+        steps = round(self.experiment.motion[0].period / self.experiment.simulation.timestep)
+        u = data["u"].values.reshape(-1, steps, data.sizes["joint"])
+        spectrum = np.fft.rfft(u, axis=1)[:, self.why.onset.fastest] / steps
+        return np.linalg.norm(spectrum, axis=-1)
+
+    @property
+    def growth(self) -> float:
+        """Growth per cycle of this amplitude in the last third of the cycles up to `worse`."""
+        seen = self.amplitude[: self.worse]
+        last = np.log(seen[2 * len(seen) // 3 :])
+        return float(np.exp(np.polyfit(np.arange(len(last)), last, 1)[0]) - 1)
+
+
+def case(motion: int, changes: Changes, cycles: int) -> Case:
+    """A case with its prediction, and as many cycles as it takes to see it, at most `cycles`."""
+    law = rmj.load("paper-centered").replace(changes).law
+    one = prepare(alone(motion, cycles, changes))
+    joints = follow(one.experiment, one.robot)
+    (why,) = divergences(one.experiment, one.robot, one.gains, joints, one.optima)
+    needed = cycles if why is None else min(cycles, int(LATER * why.onset.cycle) + 20)
+    return Case(motion, law.beta, law.lead, law.harmonics, why, alone(motion, needed, changes))
+
+
+def laws(cycles: int) -> list[Case]:
+    """Each motion with each β, lead and number of harmonics."""
+    return [
+        case(motion, {"law.beta": beta, "law.lead": lead, "law.harmonics": kept}, cycles)
+        for beta, lead, kept, motion in product(BETAS, LEADS, KEPT, (0, 1))
+    ]
+
+
+def limits(cycles: int) -> list[Case]:
+    """The largest β and number of harmonics that are said not to diverge, and more than those."""
+    found = []
+    for motion in (0, 1):
+        filtered = {"law.lead": 1, "law.harmonics": 20}
+        too_high = 20.0
+        margin = case(motion, filtered | {"law.beta": too_high}, 2).why.margin
+        for share in (0.97, 1.1, 1.2):
+            beta = round(share * margin * too_high, 2)
+            found.append(case(motion, filtered | {"law.beta": beta}, cycles))
+        most = case(motion, {"law.beta": 10.0}, 2).why.harmonics
+        for kept in (most, 2 * most, 3 * most):
+            found.append(case(motion, {"law.beta": 10.0, "law.harmonics": kept}, cycles))
+    return found
+
+
+def simulate(todo: Sequence[Case]) -> None:
+    """Run all cases, with their progress on stderr."""
+
+    def show(done: int, of: int) -> None:
+        print(f"\r{done} of {of} rounds of cycles simulated", end="", file=sys.stderr, flush=True)
+
+    runs = rmj.simulate_many([case.experiment for case in todo], progress=show)
+    print(file=sys.stderr)
+    for case, run in zip(todo, runs, strict=True):
+        case.run = run
+
+
+def table(of: Sequence[Case]) -> Iterator[Sequence[str]]:
+    """Predicted beside measured."""
+    yield (
+        "motion",
+        "β",
+        "lead",
+        "harmonics",
+        "growing",
+        "fastest [Hz]",
+        "growth [%]",
+        "measured",
+        "worse from",
+        "measured",
+    )
+    for one in of:
+        law = (str(one.motion + 1), f"{one.beta:g}", str(one.lead), str(one.kept or "all"))
+        measured = str(one.worse or f"not in {len(one.ratio)}")
+        if one.why is None:
+            yield (*law, "none", "", "", "", "never", measured)
+            continue
+        grows = one.why.onset
+        yield (
+            *law,
+            f"from {grows.first}",
+            f"{grows.fastest / one.experiment.motion[0].period:g}",
+            f"{100 * grows.growth:.2f}",
+            f"{100 * one.growth:.2f}",
+            f"{grows.cycle:.0f}",
+            measured,
+        )
+
+
+def figure(of: Sequence[Case]) -> Figure:
+    """|1 - μ| over frequency, and the harmonic that grows fastest over the cycles."""
+    with rc_context(STYLE):
+        fig = Figure(figsize=(9.2, 3.6), layout="constrained")
+        over_frequency, over_cycles = fig.subplots(1, 2)
+        _multipliers(over_frequency, motion=0, beta=10.0)
+        _amplitudes(over_cycles, [one for one in of if one.lead == 0 and one.kept is None])
+        return fig
+
+
+def _multipliers(axes: Axes, motion: int, beta: float) -> None:
+    one = prepare(alone(motion, 2, {"law.beta": beta}))
+    (joints,), (best,) = follow(one.experiment, one.robot), one.optima
+    steps = len(joints.q)
+    arm = sampled_loop.along(
+        one.experiment,
+        one.robot,
+        one.gains,
+        joints.q[np.arange(POSES) * steps // POSES],
+        stiffness=best.stiffness,
+        q_c=one.q_c,
+    )
+    harmonics = np.arange(1, steps // 2 + 1)
+    loop = learning_loop(arm, one.gains.learning, steps, harmonics)
+    hertz = harmonics / one.experiment.motion[0].period
+    axes.axhline(1, color=MUTED, linewidth=0.8)
+    for lead, colour in zip(LEADS, OF_LEADS, strict=True):
+        factor = loop.multiplier(lead)
+        axes.fill_between(
+            hertz, factor.min(axis=0), factor.max(axis=0), color=colour, alpha=0.15, linewidth=0
+        )
+        axes.semilogx(hertz, factor[0], color=colour, label=f"lead {lead}")
+    axes.set(
+        xlim=(1, hertz[-1]),
+        xlabel="frequency [Hz]",
+        ylabel="largest |1 - μ|",
+        title=f"Factor per cycle, motion {motion + 1}, β = {beta:g}",
+    )
+    axes.text(1.15, 1.01, "above 1 a harmonic grows", color=MUTED, va="bottom")
+    axes.legend(loc="lower right")
+
+
+def _amplitudes(axes: Axes, of: Sequence[Case]) -> None:
+    for one in of:
+        colour = OF_BETAS[BETAS.index(one.beta)]
+        amplitude, worse = one.amplitude, one.worse
+        cycle = np.arange(1, len(amplitude) + 1)
+        predicted = amplitude[worse - 1] * (1 + one.why.onset.growth) ** (cycle - worse)
+        axes.loglog(cycle[1:], amplitude[1:], "-" if one.motion else "--", color=colour)
+        late = cycle >= worse / 3
+        axes.plot(cycle[late], predicted[late], ":", color="black", linewidth=1.6)
+    for beta, colour in zip(BETAS, OF_BETAS, strict=True):
+        axes.plot([], [], color=colour, label=f"β = {beta:g}")
+    axes.plot([], [], color=MUTED, linestyle="--", label="motion 1")
+    axes.plot([], [], color=MUTED, label="motion 2")
+    axes.plot([], [], ":", color="black", label="growth as predicted")
+    axes.set(
+        xlabel="cycle",
+        ylabel="|U| at 500 Hz [N m]",
+        ylim=(8e-4, 30),
+        title="In the runs, as printed (lead 0)",
+    )
+    axes.legend(loc="upper left", ncols=2)
+
+
+def main() -> None:
+    """Print the tables and write the figure."""
+    parser = argparse.ArgumentParser(description="Tables and figure of docs/stability.md.")
+    parser.add_argument("--cycles", type=int, default=400, help="most cycles of a run")
+    parser.add_argument("--out", type=Path, default=Path("docs"), help="folder of stability.png")
+    options = parser.parse_args()
+    if options.cycles < 2:
+        parser.error(f"--cycles {options.cycles}: at least 2 are needed")
+    if not options.out.is_dir():
+        parser.error(f"--out {options.out}: is not a folder")
+    at, beyond = laws(options.cycles), limits(options.cycles)
+    simulate([*at, *beyond])
+    for title, of in (("laws", at), ("limits", beyond)):
+        print(f"{title}\n")
+        for index, row in enumerate(table(of)):
+            print(f"| {' | '.join(row)} |")
+            if index == 0:
+                print("|" + "---|" * len(row))
+        print()
+    path = options.out / "stability.png"
+    figure(at).savefig(path, dpi=130)
+    print(f"\n{path}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

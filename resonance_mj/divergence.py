@@ -1,0 +1,116 @@
+"""Whether learning a motion will diverge: what grows, how fast, until when; what would not."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from . import onset, sampled_loop
+from .experiment import Experiment
+from .gains import Gains
+from .kinematics import JointMotion
+from .onset import Onset
+from .optimal_springs import Optimum, center
+from .robot import Robot
+from .stability import examined, learning_loop
+
+POSES = 20
+"""Poses along a cycle at which the loop of learning is looked at."""
+
+LEADS = (1, 2, 3, 0)
+"""Leads to try in place of one that diverges [control periods]."""
+
+
+class Divergence(NamedTuple):
+    """How the learned torque of a motion will grow, and what would keep it from it.
+
+    Attributes:
+        onset: what grows, and the cycle of such a motion in which torque² passes that of the motion
+            without springs, if it were repeated for so long.
+        lead: a `law.lead` that would not diverge, None if none of `LEADS`.
+        harmonics: the largest `law.harmonics` found that would not; 0 if there is none.
+        margin: the multiple of β, or of η, that would not; next to 0 where every one diverges.
+    """
+
+    onset: Onset
+    lead: int | None
+    harmonics: int
+    margin: float
+
+
+def divergences(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    found: list[JointMotion],
+    optima: list[Optimum],
+) -> list[Divergence | None]:
+    """Of each motion of an experiment, how learning it alone will diverge; None if it will not.
+
+    Args:
+        experiment: what would be run, with a law of this program.
+        robot: its arm.
+        gains: as the arm has them.
+        found: the joint motions.
+        optima: their optima; the springs are taken to be there.
+    """
+    q_c = center(experiment.law.q_c, found, robot)
+    start = np.concatenate([robot.home, np.zeros(robot.n)])
+    said = []
+    for motion, joints, best in zip(experiment.motion, found, optima, strict=True):
+        begun = np.concatenate([joints.q[0], joints.dq[0]])
+        jump = None if motion.blend else start - begun
+        loaded = robot.carrying(motion.payload)
+        why = _of_motion(experiment, loaded, gains, joints, best, q_c, jump)
+        if why:
+            # A passage into the motion teaches nothing.
+            cycle = why.onset.cycle + motion.blend
+            why = why._replace(onset=why.onset._replace(cycle=cycle))
+        said.append(why)
+        start = begun
+    return said
+
+
+def _of_motion(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    joints: JointMotion,
+    best: Optimum,
+    q_c: np.ndarray,
+    jump: np.ndarray | None,
+) -> Divergence | None:
+    steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
+
+    def at(q: np.ndarray) -> sampled_loop.SampledLoop:
+        return sampled_loop.along(experiment, robot, gains, q, stiffness=best.stiffness, q_c=q_c)
+
+    arm = at(joints.q[np.arange(POSES) * steps // POSES])
+    if not arm.stable:
+        return None
+    loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))
+    margin = loop.margin(lead, kept)
+    if margin >= 1:
+        return None
+    limit = best.torque_squared_without_springs
+    begins = onset.Beginning(
+        at(joints.q[:1]),
+        gains.learning,
+        best.torque_without_springs,
+        lead=lead,
+        kept=kept,
+        jump=jump,
+    )
+    first = onset.at_the_beginning(limit, begins)
+    grows = [first, onset.elsewhere(loop, lead=lead)]
+    # At most what it would be if the poses were held: the eigenvalues take time.
+    most = float(loop.multiplier(lead)[:, loop.low].max()) - 1
+    if most > (first.growth if first else 0):
+        grows.append(onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept))
+    return Divergence(
+        onset=min((one for one in grows if one), key=lambda one: one.cycle),
+        lead=next((one for one in LEADS if loop.margin(one, kept) >= 1), None),
+        harmonics=loop.most_harmonics(lead),
+        margin=margin,
+    )
