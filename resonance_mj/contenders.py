@@ -38,7 +38,7 @@ CONTENDERS = (
     Contender("fixed", "optimal springs", {"law.kind": "fixed", **FOUND}),
     Contender(
         "joint-space",
-        "joint space [4]",
+        "joint space",
         {
             "law.kind": "joint-space",
             **PRINTED,

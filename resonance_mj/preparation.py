@@ -49,7 +49,7 @@ class Prepared:
     q_c: np.ndarray
     q_s: np.ndarray
 
-    @property
+    @cached_property
     def schedule(self) -> list[int]:
         """Of each cycle in a row, the motion that it repeats."""
         return [i for i, motion in enumerate(self.experiment.motion) for _ in range(motion.cycles)]

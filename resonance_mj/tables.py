@@ -153,7 +153,7 @@ def comparison(found: Comparison) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     if found.long:
         cycles = next(iter(found.long.values())).experiment.motion[-1].cycles
-        table.add_column(f"torque² over\n{cycles} cycles\nof motion {len(motions)}", no_wrap=True)
+        table.add_column(f"torque² over\n{cycles} cycles\nof motion {len(motions)}")
     for number in range(1, len(motions) + 1):
         mine = [row for row in rows if row["motion"] == number]
         best = mine[-1]["torque_reduction_optimal"]

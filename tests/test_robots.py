@@ -87,11 +87,11 @@ def test_two_cycles_of_every_run_are_finite_and_the_same_twice(name):
 @pytest.mark.parametrize("name", [run for run in RUNS if not run.startswith("paper")])
 def test_a_run_reaches_the_optimum_within_ten_cycles_and_stays(name):
     run = rmj.simulate(rmj.load(name))
-    (segment,) = run.summary()["segments"]
-    assert segment["cycles_to_optimum"] <= 10
-    assert segment["torque_squared"] < 1.02 * segment["torque_squared_optimal"]
-    assert segment["tracking_rms"] < 1.5e-3
-    assert min(segment["stiffness"]) >= 0
+    for segment in run.summary()["segments"]:
+        assert segment["cycles_to_optimum"] <= 10
+        assert segment["torque_squared"] < 1.02 * segment["torque_squared_optimal"]
+        assert segment["tracking_rms"] < 1.5e-3
+        assert min(segment["stiffness"]) >= 0
     robot = build(run.experiment)
     data = mujoco.MjData(robot.model)
     for q in run.data.q.values[::50]:
