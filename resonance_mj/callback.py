@@ -7,7 +7,6 @@ block, and refuses where another callback is in place.
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,14 +16,8 @@ from typing import Any
 
 import llvmlite.binding
 import mujoco
-import numba
-import numpy as np
-from numba import carray, types
-from numba.core import cgutils
-from numba.core.errors import NumbaError
-from numba.extending import intrinsic
 
-from . import controller, equations, memory, springs, structs
+from . import controller, equations, machine_code, memory, springs, structs
 from .controller import Command, act, begins_step, end_stage, failed, hold, standard
 from .errors import CallbackError
 from .memory import Header, block, matrix
@@ -98,104 +91,28 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
 
 @cache
 def _compiled(command: Command = standard) -> Callable[..., Any]:
-    """The control callback as a C function, compiled once and cached on disk."""
+    """The control callback as a C function, compiled once and kept on disk."""
     llvmlite.binding.load_library_permanently(str(_libmujoco()))
-    try:
-        function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint(), command)
-    except NumbaError as error:
-        reason = str(error).strip().splitlines()
-        raise CallbackError(
-            "the law cannot be compiled, try --interpret to debug it: "
-            + " ".join(line.strip() for line in reason[:3])
-        ) from error
-    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(function.address)
+    layout = (structs.MODEL_OFFSETS, structs.DATA_OFFSETS)
+
+    def translate() -> tuple[str, str]:
+        from . import compilation
+
+        return compilation.translate(*layout, command)
+
+    address = machine_code.load(repr(layout).encode() + _sources(command), translate)
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
 
 
-def _compile(
-    model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], sources: int, command: Command
-) -> Any:
-    """Compile the callback for one layout of mjModel and mjData.
-
-    Numba keys its disk cache with the values that a function closes over. That the offsets and the
-    fingerprint of all sources are among them is what makes a cached callback safe to reuse: another
-    MuJoCo, or an edit in any file of the law, compiles anew.
-    """
-    jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
-    userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
-
-    @numba.cfunc(types.void(types.intp, types.intp), cache=True, error_model="numpy")
-    def control(model: int, data: int) -> None:
-        sources  # noqa: B018
-        user = _doubles(_word(data, userdata), _word(model, nuserdata))
-        mem = block(user)
-        if mem.size == 0:
-            return
-        speed = _doubles(_word(data, qvel), _word(model, nv))
-        motors = _doubles(_word(data, ctrl), _word(model, nu))
-        if begins_step(mem):
-            site = int(mem[Header.SITE])
-            jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
-            rotational = jacobian[3:].ctypes.data if mem[Header.ROTATES] == 1.0 else 0
-            _mj_jacSite(model, data, jacobian.ctypes.data, rotational, site)
-            position = _word(data, site_xpos) + 24 * site
-            orientation = _pointer(_word(data, site_xmat) + 72 * site)
-            act(
-                mem,
-                _doubles(_word(data, qpos), _word(model, nq)),
-                speed,
-                _doubles(position, 3),
-                carray(orientation, (3, 3), np.float64),
-                motors,
-                command,
-            )
-        if failed(mem):
-            hold(
-                speed,
-                motors,
-                _doubles(_word(data, qfrc_bias), _word(model, nv)),
-                _doubles(_word(data, qfrc_passive), _word(model, nv)),
-            )
-        end_stage(
-            mem,
-            _doubles(_word(model, jnt_stiffness), _word(model, njnt)),
-            _doubles(_word(model, qpos_spring), _word(model, nq)),
-        )
-
-    return control
-
-
-# Resolved by name when the compiled code is loaded: an address could not be cached on disk.
-_mj_jacSite = types.ExternalFunction(  # noqa: N816
-    "mj_jacSite",
-    types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32),
-)
-
-
-@intrinsic
-def _pointer(typing_context: Any, address: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
-
-    return types.voidptr(types.intp), generate
-
-
-@numba.extending.register_jitable
-def _word(address: int, offset: int) -> int:
-    """The 8-byte integer or pointer at `address + offset`."""
-    return carray(_pointer(address + offset), 1, np.intp)[0]
-
-
-@numba.extending.register_jitable
-def _doubles(address: int, size: int) -> np.ndarray:
-    """View of `size` doubles at `address`."""
-    return carray(_pointer(address), size, np.float64)
-
-
-def _fingerprint() -> int:
-    digest = hashlib.sha256()
-    for module in (equations, springs, memory, controller):
-        digest.update(Path(str(module.__file__)).read_bytes())
-    return int.from_bytes(digest.digest()[:7], "big")
+def _sources(command: Command) -> bytes:
+    """All source code that the callback is made of: an edit in any of its files compiles anew."""
+    cells = (cell.cell_contents for cell in command.__closure__ or ())
+    functions = [command, *(value for value in cells if callable(value))]
+    files = [str(module.__file__) for module in (equations, springs, memory, controller)]
+    files += [str(Path(__file__).with_name("compilation.py"))]
+    files += [function.__code__.co_filename for function in functions]
+    names = repr([function.__qualname__ for function in functions]).encode()
+    return names + b"".join(Path(file).read_bytes() for file in files)
 
 
 def _libmujoco() -> Path:

@@ -8,16 +8,16 @@ act from the next step on, which is explicit Euler for (6) and (7).
 from collections.abc import Callable
 
 import numpy as np
-from numba.extending import register_jitable
 
 from . import equations, springs
 from .memory import Header, matrix, vector
+from .step_functions import step_function
 
 Command = Callable[..., None]
 """Sets y and τ from (memory, n, m, qpos, qvel, u, y, tau)."""
 
 
-@register_jitable
+@step_function
 def begins_step(memory: np.ndarray) -> bool:
     """Whether this callback is the first of its time step, and the run goes on.
 
@@ -26,7 +26,7 @@ def begins_step(memory: np.ndarray) -> bool:
     return memory[Header.STAGE] == 0.0 and memory[Header.FAILED_STEP] == 0.0
 
 
-@register_jitable
+@step_function
 def act(
     memory: np.ndarray,
     qpos: np.ndarray,
@@ -93,7 +93,7 @@ def act(
         adapt(memory, n, j, q, q_c[j], y[j], k, offset)
 
 
-@register_jitable
+@step_function
 def measure(
     memory: np.ndarray,
     n: int,
@@ -131,7 +131,7 @@ def measure(
         equations.rotation_vector(orientation, home, x[m - 3 :])
 
 
-@register_jitable
+@step_function
 def standard(
     memory: np.ndarray,
     n: int,
@@ -172,7 +172,7 @@ def standard(
         equations.inertial_feedback(matrix(memory, Header.FEEDBACK, n, n), y, tau)
 
 
-@register_jitable
+@step_function
 def joint_space(
     memory: np.ndarray,
     n: int,
@@ -206,7 +206,7 @@ def joint_space(
             tau[j] -= G[j, i] * rate[i] + G_p[j, i] * s[i]
 
 
-@register_jitable
+@step_function
 def limit(memory: np.ndarray, n: int, tau: np.ndarray) -> None:
     """Keep the torque within the motors' limits."""
     tau_min = vector(memory, Header.TAU_MIN, n)
@@ -219,7 +219,7 @@ def limit(memory: np.ndarray, n: int, tau: np.ndarray) -> None:
             tau[j] = tau_max[j]
 
 
-@register_jitable
+@step_function
 def adapt(
     memory: np.ndarray,
     n: int,
@@ -251,7 +251,7 @@ def adapt(
     )
 
 
-@register_jitable
+@step_function
 def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
     """Count this callback; after the last of a time step, write the springs into the model."""
     memory[Header.STAGE] += 1.0
@@ -262,7 +262,7 @@ def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.nda
     write_springs(memory, jnt_stiffness, qpos_spring)
 
 
-@register_jitable
+@step_function
 def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
     """Rewrite mjModel's joint springs with the k and q̄_e of the memory."""
     n = int(memory[Header.JOINTS])
@@ -277,13 +277,13 @@ def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np
         qpos_spring[int(qpos_address[j])] = angle
 
 
-@register_jitable
+@step_function
 def failed(memory: np.ndarray) -> bool:
     """Whether the run has failed: what follows is no run."""
     return memory[Header.FAILED_STEP] > 0.0
 
 
-@register_jitable
+@step_function
 def hold(qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
     """Stop the arm, without motors or forces.
 

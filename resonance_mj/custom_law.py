@@ -12,12 +12,12 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numba.extending import register_jitable
 
 from .controller import Command, standard
 from .errors import ExperimentError
 from .experiment import KINDS
 from .memory import Header, matrix, vector
+from .step_functions import step_function
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""
@@ -111,9 +111,12 @@ def _check_shape(path: Path, function: Callable[..., Any], arguments: tuple[str,
 
 def _adapted(custom: Callable[..., None]) -> Command:
     """A custom `command` as the control step calls it."""
-    compiled = register_jitable(custom)
+    importlib.import_module(
+        "numba"
+    )  # whose runtime the compiled law may call, to allocate or raise
+    step_function(custom)
 
-    @register_jitable
+    @step_function
     def command(
         memory: np.ndarray,
         n: int,
@@ -131,7 +134,7 @@ def _adapted(custom: Callable[..., None]) -> Command:
         for j in range(n):
             q[j] = qpos[int(qpos_address[j])]
             dq[j] = qvel[int(dof_address[j])]
-        compiled(
+        custom(
             matrix(memory, Header.J, m, n),
             vector(memory, Header.ERROR, m),
             vector(memory, Header.RATE, m),

@@ -10,10 +10,11 @@ Shapes: n joints, m coordinates of the task. J is the (m, n) Jacobian of the tas
 import math
 
 import numpy as np
-from numba.extending import register_jitable
+
+from .step_functions import step_function
 
 
-@register_jitable
+@step_function
 def saturation(error: np.ndarray, out: np.ndarray) -> None:
     """Saturated position error s(Δx), (5).
 
@@ -30,7 +31,7 @@ def saturation(error: np.ndarray, out: np.ndarray) -> None:
             out[i] = math.sin(error[i])
 
 
-@register_jitable
+@step_function
 def motor_torque(
     J: np.ndarray,
     k_v: np.ndarray,
@@ -58,7 +59,7 @@ def motor_torque(
         out[j] = u[j] - force
 
 
-@register_jitable
+@step_function
 def stiffness_rate(gamma_k: float, q: float, q_c: float, y: float) -> float:
     """Adaptation of a joint's stiffness k̇ = γ_k (q - q_c) y, (6).
 
@@ -74,7 +75,7 @@ def stiffness_rate(gamma_k: float, q: float, q_c: float, y: float) -> float:
     return gamma_k * (q - q_c) * y
 
 
-@register_jitable
+@step_function
 def offset_rate(gamma_qe: float, y: float) -> float:
     """Adaptation of a joint's offset torque d(q̄_e)/dt = -γ_qe y, (7).
 
@@ -88,7 +89,7 @@ def offset_rate(gamma_qe: float, y: float) -> float:
     return -gamma_qe * y
 
 
-@register_jitable
+@step_function
 def error_inverse(
     J: np.ndarray, rate: np.ndarray, alpha: float, s: np.ndarray, work: np.ndarray, out: np.ndarray
 ) -> None:
@@ -131,7 +132,7 @@ def error_inverse(
         out[i] /= work[i, i]
 
 
-@register_jitable
+@step_function
 def error_transpose(
     J: np.ndarray, rate: np.ndarray, alpha: float, s: np.ndarray, out: np.ndarray
 ) -> None:
@@ -150,7 +151,7 @@ def error_transpose(
             out[j] += J[i, j] * (rate[i] + alpha * s[i])
 
 
-@register_jitable
+@step_function
 def error_damped(
     J: np.ndarray,
     rate: np.ndarray,
@@ -212,7 +213,7 @@ def error_damped(
             out[j] += J[i, j] * work[m, i]
 
 
-@register_jitable
+@step_function
 def _factorise(A: np.ndarray, m: int, damping: float) -> float:
     """Cholesky factor of A + damping I in A's lower half (m, m); the root of its determinant."""
     root = 1.0
@@ -228,7 +229,7 @@ def _factorise(A: np.ndarray, m: int, damping: float) -> float:
     return root
 
 
-@register_jitable
+@step_function
 def inertial_feedback(G: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
     """Add the feedback -G y to a torque; G = ω M̂ makes it -ω M̂ y, the same for any robot.
 
@@ -242,7 +243,7 @@ def inertial_feedback(G: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
             out[i] -= G[i, j] * y[j]
 
 
-@register_jitable
+@step_function
 def rotation(r: np.ndarray, home: np.ndarray, out: np.ndarray) -> None:
     """Orientation exp(r) R_home of a rotation vector.
 
@@ -266,7 +267,7 @@ def rotation(r: np.ndarray, home: np.ndarray, out: np.ndarray) -> None:
         out[2, j] = cos * c + sinc * (x * b - y * a) + cosc * dot * z
 
 
-@register_jitable
+@step_function
 def rotation_vector(R: np.ndarray, S: np.ndarray, out: np.ndarray) -> None:
     """Rotation vector in the world frame that takes the orientation S to R: log(R Sᵀ).
 

@@ -16,9 +16,8 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
-from numba import carray, types
-from numba.core import cgutils
-from numba.extending import intrinsic, overload, register_jitable
+
+from .step_functions import step_function
 
 ARRAYS: dict[str, tuple[str, ...]] = {
     # the robot
@@ -221,7 +220,7 @@ class Memory:
         raise KeyError(name)
 
 
-@register_jitable
+@step_function
 def block(userdata: np.ndarray) -> np.ndarray:
     """The controller's block of `userdata`; empty if the model has none.
 
@@ -243,28 +242,3 @@ def matrix(memory: np.ndarray, name: int, rows: int, columns: int) -> np.ndarray
     """View of an array of the block, `Header.NAME`, as (rows, columns)."""
     start = int(memory[name])
     return memory[start : start + rows * columns].reshape(rows, columns)
-
-
-# Compiled, the two views are built from their address: slicing and reshaping as Numba does it takes
-# half as long as all the arithmetic of the law.
-
-
-@overload(vector)
-def _compiled_vector(memory, name, size):  # type: ignore[no-untyped-def]
-    return lambda memory, name, size: carray(_address(memory, int(memory[name])), size, np.float64)
-
-
-@overload(matrix)
-def _compiled_matrix(memory, name, rows, columns):  # type: ignore[no-untyped-def]
-    return lambda memory, name, rows, columns: carray(
-        _address(memory, int(memory[name])), (rows, columns), np.float64
-    )
-
-
-@intrinsic
-def _address(typing_context: Any, memory: Any, start: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        return builder.bitcast(builder.gep(array.data, [arguments[1]]), cgutils.voidptr_t)
-
-    return types.voidptr(memory, types.intp), generate

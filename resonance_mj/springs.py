@@ -12,19 +12,20 @@ The functions are plain Python and compile under Numba when compiled code calls 
 import math
 
 import numpy as np
-from numba.extending import register_jitable
+
+from .step_functions import step_function
 
 LIMP = 1e-12
 """Stiffness [N m/rad] in place of 0 where a spring without bounds must exert an offset torque."""
 
 
-@register_jitable
+@step_function
 def torque(k: np.ndarray, offset: np.ndarray, q: np.ndarray, q_c: np.ndarray) -> np.ndarray:
     """Torque -k (q - q_c) + q̄_e of a spring [N m]."""
     return offset - k * (q - q_c)
 
 
-@register_jitable
+@step_function
 def equilibrium(k: float, offset: float, q_c: float) -> tuple[float, float]:
     """Stiffness to write and equilibrium angle q_e = q̄_e / k + q_c of a spring.
 
@@ -38,7 +39,7 @@ def equilibrium(k: float, offset: float, q_c: float) -> tuple[float, float]:
     return k, offset / k + q_c
 
 
-@register_jitable
+@step_function
 def nearest(
     k: float, offset: float, k_min: float, k_max: float, low: float, high: float, weight: float
 ) -> tuple[float, float]:
