@@ -112,6 +112,7 @@ def measure(
     J = matrix(memory, Header.J, m, n)
     error = vector(memory, Header.ERROR, m)
     rate = vector(memory, Header.RATE, m)
+    before = vector(memory, Header.BEFORE, 3)
     dx_desired = vector(memory, Header.DX_DESIRED, (step + 1) * m)[step * m :]
     for i in range(m):
         axis = int(coordinate[i])
@@ -123,6 +124,9 @@ def measure(
             dof = int(dof_address[j])
             J[i, j] = jacobian[axis, dof]
             rate[i] += J[i, j] * qvel[dof]
+        if axis < 3 and memory[Header.DIFFERENCE] == 1.0:
+            rate[i] = (tool[axis] - before[axis]) / memory[Header.TIMESTEP] - dx_desired[i]
+            before[axis] = tool[axis]
     if memory[Header.ROTATES] == 1.0:
         home = matrix(memory, Header.ORIENTATION, 3, 3)
         desired = matrix(memory, Header.DESIRED, 3, 3)

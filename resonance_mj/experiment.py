@@ -236,6 +236,10 @@ class Law(_Model):
     """Numbers for a law of your own."""
     jacobian: Literal["damped", "inverse", "transpose"] | None = None
     """In (8): J^-1, J^T, or the damped pseudo-inverse with the posture in its null space."""
+    velocity: Literal["jacobian", "difference"] | None = None
+    """The tool's velocity in (4) and (8): jacobian: J q̇, or difference: of its positions over the
+    last time step, which is what Euler and implicitfast mean by it; jacobian for laws as printed
+    and under RK4 and difference else if not given."""
     k_v: Gains | None = None
     """Velocity feedback K_v [N s/m], one for all coordinates or one each; if neither k_v nor k_p is
     given, the feedback is -omega M y with the inertia M at home."""

@@ -22,6 +22,7 @@ class Gains:
 
     Attributes:
         jacobian: inverse, transpose or damped, in (8).
+        velocity: of the tool, jacobian or difference.
         k_v: velocity feedback (m,) [N s/m].
         k_p: position feedback (m,) [N/m].
         feedback: G of the feedback -G y, or -G Δq̇ in joint space (n, n) [N m s/rad].
@@ -33,6 +34,7 @@ class Gains:
     """
 
     jacobian: str
+    velocity: str
     k_v: np.ndarray
     k_p: np.ndarray
     feedback: np.ndarray
@@ -67,8 +69,11 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     if harmonics is None and not law.printed:
         harmonics = min(HARMONICS, steps // 4)
     square = "inverse" if law.printed and m == n else "damped"
+    semi_implicit = experiment.simulation.integrator != "RK4"
     return Gains(
         jacobian=law.jacobian or square,
+        velocity=law.velocity
+        or ("difference" if semi_implicit and not law.printed else "jacobian"),
         k_v=k_v,
         k_p=k_p,
         feedback=feedback,

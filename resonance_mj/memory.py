@@ -26,6 +26,7 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "joint_id": ("joints",),
     "actuator_id": ("joints",),
     "coordinate": ("coordinates",),
+    "before": ("three",),  # position of the tool a time step ago
     "orientation": ("three", "three"),
     "posture": ("joints",),
     # the law's gains and the springs' bounds
@@ -97,6 +98,7 @@ _SCALARS = (
     "site",  # the tool's id
     "rotates",  # 1 if the task has rotation, its last three coordinates
     "form",  # of (8): 0 for J^-1, 1 for J^T, 2 for the damped pseudo-inverse
+    "difference",  # 1 for the tool's velocity by the difference of its positions
     "inertial",  # 1 for feedback by `feedback` too
     "usual",  # manipulability below which the damping grows
     "alpha",
@@ -191,8 +193,12 @@ class Memory:
             "more",
         ):
             self.scalar(name)[:] = getattr(layout, name)
+        self._views: dict[str, np.ndarray] = {}
         for name, start in self._starts.items():
             self.scalar(name)[:] = start
+            shape = layout.shape(name)
+            flat = self._block[:, start : start + int(np.prod(shape))]
+            self._views[name] = flat.reshape(flat.shape[0], *shape)
 
     def scalar(self, name: str) -> np.ndarray:
         """View of a number of the header (robots,)."""
@@ -204,10 +210,7 @@ class Memory:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """View of an array (robots, *shape)."""
-        shape = self.layout.shape(name)
-        start = self._starts[name]
-        flat = self._block[:, start : start + int(np.prod(shape))]
-        return flat.reshape(flat.shape[0], *shape)
+        return self._views[name]
 
     def recorded(self, name: str, steps: int) -> np.ndarray:
         """View of a recorded signal over a cycle of `steps` control steps (robots, steps, size)."""

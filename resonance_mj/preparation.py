@@ -210,11 +210,13 @@ def load_law(memory: Memory, index: int, one: Prepared) -> None:
     memory["offset"][index] = k * away
     # A joint that turns by a radian in a time step is beyond any sampled control.
     dt = experiment.simulation.timestep
+    memory["before"][index] = robot.position
     memory["torque_limit"][index] = np.diag(robot.inertia) / dt**2
     for name, value in (
         ("site", robot.site),
         ("rotates", robot.rotates),
         ("form", {"inverse": 0, "transpose": 1, "damped": 2}[chosen.jacobian]),
+        ("difference", chosen.velocity == "difference"),
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
         ("count", len(law.parameters)),
@@ -233,6 +235,14 @@ def load_motion(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
     steps = len(samples.x)
     memory["x_desired"][index, :steps] = samples.x
     memory["dx_desired"][index, :steps] = samples.dx
+    if one.gains.velocity == "difference":
+        positions = len(one.robot.position_axes)
+        # A passage does not begin where it ends.
+        first = samples.x[0] - samples.dx[0] * one.experiment.simulation.timestep
+        before = samples.x[-1] if one.blending(cycle) is None else first
+        moved = np.diff(samples.x, axis=0, prepend=before[None])
+        velocity = moved / one.experiment.simulation.timestep
+        memory["dx_desired"][index, :steps, :positions] = velocity[:, :positions]
     for what in one.law.told:
         TELL[what](memory, index, one, cycle)
 

@@ -82,6 +82,7 @@ class Recording:
         self._made: dict[int, Optimum] = {}
         self._kinematics = Kinematics(robot)
         self._at_limit = np.zeros(robot.n)
+        self._lowest = np.inf
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
 
@@ -94,11 +95,12 @@ class Recording:
         """
         last = len(self._torque_squared) - 1
         segment = self._segment[last] if last >= 0 else -1
-        first = int(np.argmax(self._segment == segment))
-        earlier = self._torque_squared[first + 1 : last]
-        if not earlier:
+        if last < 2 or segment != self._segment[last - 2]:
             return ""
-        now, lowest = self._torque_squared[last], min(earlier)
+        if last < 3 or segment != self._segment[last - 3]:
+            self._lowest = np.inf
+        self._lowest = lowest = min(self._lowest, self._torque_squared[last - 1])
+        now = self._torque_squared[last]
         without = self._optima[segment].torque_squared_without_springs
         if now <= HARDER * without or now <= GROWN * lowest:
             return ""
@@ -117,10 +119,11 @@ class Recording:
             whole: control steps of a whole cycle; only a whole one counts as a cycle.
         """
         cycle = len(self._torque_squared)
-        taken = {name: memory.recorded(name, steps)[robot].copy() for name in COLUMNS}
-        taken["x_desired"] = memory["x_desired"][robot, :steps].copy()
+        taken = {name: memory.recorded(name, steps)[robot] for name in COLUMNS}
+        taken["x_desired"] = memory["x_desired"][robot, :steps]
         if cycle in self._kept or steps < whole:
-            self._keep(taken, memory["q_c"][robot].copy(), cycle, steps)
+            copies = {name: signal.copy() for name, signal in taken.items()}
+            self._keep(copies, memory["q_c"][robot].copy(), cycle, steps)
         if steps == whole:
             by_joint = (taken["tau"] ** 2).mean(axis=0)
             self._torque_squared.append(float(by_joint.sum()))
@@ -134,14 +137,15 @@ class Recording:
             self._singular.append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
             low, high = self._robot.torque_limit.T
             self._at_limit = ((taken["tau"] <= low) | (taken["tau"] >= high)).mean(axis=0)
-            self._made[int(self._segment[cycle])] = self._best_for(taken, memory, robot)
+            if self._robot.m < self._robot.n:
+                self._made[int(self._segment[cycle])] = self._best_for(taken, memory, robot)
             self._stiffness.append(memory["stiffness"][robot].copy())
             self._offset.append(memory["offset"][robot].copy())
             self._time += whole * self._dt
 
     def _best_for(self, taken: dict[str, np.ndarray], memory: Memory, robot: int) -> Optimum:
         """The optimum for the joint motion that was made, from motor and spring torque together."""
-        q, center = taken["q"], memory["q_c"][robot].copy()
+        q, center = taken["q"].copy(), memory["q_c"][robot].copy()
         spring = springs.torque(taken["stiffness"], taken["offset"], q, center)
         segment = int(self._segment[len(self._torque_squared) - 1])
         return best_springs(

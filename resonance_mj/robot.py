@@ -37,6 +37,7 @@ class Robot:
         site: id of the tool's site.
         axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
         coordinate: their numbers, 0 to 5 (m,).
+        position: of the tool at home (3,) [m].
         orientation: of the tool at home (3, 3).
         payload: id of the body that is the tool's payload; None if it never carries one.
         torque_limit: least and greatest torque of each motor (n, 2) [N m].
@@ -59,6 +60,7 @@ class Robot:
     payload: int | None
     axes: tuple[str, ...]
     coordinate: np.ndarray
+    position: np.ndarray
     orientation: np.ndarray
     torque_limit: np.ndarray
     home: np.ndarray
@@ -137,7 +139,7 @@ def build(experiment: Experiment) -> Robot:
     home = _home(experiment, arm, model, joint_id, site, path, notes)
     qpos = model.qpos0.copy()
     qpos[model.jnt_qposadr[joint_id]] = home
-    jacobian, orientation, inertia = _at_home(model, qpos, joint_id, site)
+    jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
     axes = _axes(experiment, jacobian, path, notes)
     _check_lengths(experiment, joints, axes, path)
     if len(axes) > len(joints):
@@ -175,6 +177,7 @@ def build(experiment: Experiment) -> Robot:
         payload=None if load is None else int(model.body(load).id),
         axes=axes,
         coordinate=coordinate,
+        position=position,
         orientation=orientation,
         torque_limit=limits,
         home=home,
@@ -269,8 +272,8 @@ def _home(
 
 def _at_home(
     model: mujoco.MjModel, qpos: np.ndarray, joint_id: np.ndarray, site: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Jacobian (6, n), the tool's orientation (3, 3) and inertia matrix (n, n) at `qpos`."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Jacobian (6, n), the tool's position (3,) and orientation (3, 3), inertia matrix (n, n)."""
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     mujoco.mj_forward(model, data)
@@ -278,4 +281,5 @@ def _at_home(
     jacobian, full = np.zeros((6, model.nv)), np.zeros((model.nv, model.nv))
     mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], site)
     mujoco.mj_fullM(model, data, full)
-    return jacobian[:, dofs], data.site_xmat[site].reshape(3, 3).copy(), full[np.ix_(dofs, dofs)]
+    place, turn = data.site_xpos[site].copy(), data.site_xmat[site].reshape(3, 3).copy()
+    return jacobian[:, dofs], place, turn, full[np.ix_(dofs, dofs)]

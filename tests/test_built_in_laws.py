@@ -72,7 +72,7 @@ def test_every_law_steps_in_a_batch_with_others_as_it_does_alone():
 
 
 def test_feedback_is_4_without_learned_torque_and_without_springs():
-    found = run("feedback")
+    found = rmj.simulate(experiment("feedback", 3).replace({"law.velocity": "jacobian"}))
     q, dq, tau, u, k, offset = signals(found, "q", "dq", "tau", "u", "stiffness", "offset")
     for nothing in (u, k, offset):
         np.testing.assert_array_equal(nothing, 0.0)

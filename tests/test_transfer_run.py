@@ -1,0 +1,67 @@
+"""The transfer law on the paper's arm: at the optimum in ten cycles, and there to stay."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import resonance_mj as rmj
+
+
+@cache
+def run():
+    return rmj.simulate(rmj.load("two-link-transfer"))
+
+
+def torque_beside_the_optimum(segment):
+    data = run().data
+    mine = data["segment_of_cycle"].values == segment
+    optimal = data["torque_squared_optimal"].sel(segment=segment).item()
+    return data["torque_squared"].values[mine] / optimal
+
+
+@pytest.mark.parametrize(("segment", "cycle"), [(1, 10), (2, 15)])
+def test_torque_is_within_five_percent_of_the_optimum_soon_and_stays(segment, cycle):
+    ratio = torque_beside_the_optimum(segment)
+    assert np.abs(ratio[cycle - 1 :] - 1).max() < 0.05
+    assert run().summary()["segments"][segment - 1]["cycles_to_optimum"] <= cycle
+
+
+@pytest.mark.parametrize("segment", [1, 2])
+def test_stiffness_ends_within_one_percent_of_the_optimum_of_either_sign(segment):
+    found = run().summary()["segments"][segment - 1]
+    np.testing.assert_allclose(found["stiffness"], found["stiffness_optimal"], rtol=0.01)
+    assert (min(found["stiffness_optimal"]) < 0) == (segment == 1)
+
+
+def test_tracking_is_exact_to_ten_micrometres_because_velocity_is_the_integrators_own():
+    assert run().summary()["segments"][1]["tracking_rms"] < 1e-5
+    half_a_step_apart = rmj.simulate(
+        rmj.load("two-link-transfer").replace({"law.velocity": "jacobian"})
+    )
+    assert half_a_step_apart.summary()["segments"][1]["tracking_rms"] > 1e-4
+
+
+def test_learning_leaves_no_feedback_torque_so_that_all_torque_can_be_transferred():
+    data = run().data
+    last = data["cycle_of_sample"].values == data.sizes["cycle"]
+    tau, u = data["tau"].values[last], data["u"].values[last]
+    assert np.sqrt(((tau - u) ** 2).mean()) < 0.01 * np.sqrt((tau**2).mean())
+
+
+def spring_torque(q, at):
+    data = run().data
+    k, offset, center = (data[name].values[at][0] for name in ("stiffness", "offset", "center"))
+    return -k * (q - center) + offset
+
+
+@pytest.mark.parametrize("cycle", [5, 20, 60])
+def test_springs_are_handed_torque_without_a_jump_of_the_total(cycle):
+    cycles = run().data["cycle_of_sample"].values
+    here, there = cycles == cycle, cycles == cycle + 1
+    q = run().data["q"].values[here]
+    handed = spring_torque(q, there) - spring_torque(q, here)
+    # With what the springs took over, the motors' torque is what was learned: 20 harmonics.
+    learned = run().data["u"].values[there] + handed
+    spectrum = np.abs(np.fft.rfft(learned, axis=0))
+    assert spectrum[21:].max() < 1e-9 * spectrum.max()
