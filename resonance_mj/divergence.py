@@ -101,15 +101,17 @@ def _of_motion(
         kept=kept,
         jump=jump,
     )
-    first = onset.at_the_beginning(limit, begins)
-    grows = [first, onset.elsewhere(loop, lead=lead)]
+    beginning = onset.at_the_beginning(limit, begins)
+    grows = [beginning, onset.elsewhere(loop, lead=lead)]
+    harmonics = loop.most_harmonics(lead)
     # At most what it would be if the poses were held: the eigenvalues take time.
     most = float(loop.multiplier(lead)[:, loop.low].max()) - 1
-    if most > (first.growth if first else 0):
-        grows.append(onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept))
+    if most > (beginning.growth if beginning else 0):
+        low = onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept, first=harmonics + 1)
+        grows.append(low)
     return Divergence(
         onset=min((one for one in grows if one), key=lambda one: one.cycle),
         lead=next((one for one in LEADS if loop.margin(one, kept) >= 1), None),
-        harmonics=loop.most_harmonics(lead),
+        harmonics=harmonics,
         margin=margin,
     )
