@@ -82,10 +82,8 @@ def _of_motion(
 ) -> Divergence | None:
     steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
 
-    def at(q: np.ndarray) -> sampled_loop.SampledLoop:
-        return sampled_loop.along(experiment, robot, gains, q, stiffness=best.stiffness, q_c=q_c)
-
-    arm = at(joints.q[np.arange(POSES) * steps // POSES])
+    poses = joints.q[np.arange(POSES) * steps // POSES]
+    arm = sampled_loop.along(experiment, robot, gains, poses, stiffness=best.stiffness, q_c=q_c)
     if not arm.stable:
         return None
     loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))
@@ -94,7 +92,7 @@ def _of_motion(
         return None
     limit = best.torque_squared_without_springs
     begins = onset.Beginning(
-        at(joints.q[:1]),
+        sampled_loop.SampledLoop(*(part[:1] for part in arm)),
         gains.learning,
         best.torque_without_springs,
         lead=lead,
