@@ -83,10 +83,8 @@ def _of_motion(
 ) -> Divergence | None:
     steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
 
-    def at(q: np.ndarray) -> sampled_loop.SampledLoop:
-        return sampled_loop.along(experiment, robot, gains, q, stiffness=best.stiffness, q_c=q_c)
-
-    arm = at(joints.q[np.arange(POSES) * steps // POSES])
+    poses = joints.q[np.arange(POSES) * steps // POSES]
+    arm = sampled_loop.along(experiment, robot, gains, poses, stiffness=best.stiffness, q_c=q_c)
     if not arm.stable:
         return None
     loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))
@@ -95,22 +93,24 @@ def _of_motion(
         return None
     limit = best.torque_squared_without_springs
     begins = onset.Beginning(
-        at(joints.q[:1]),
+        sampled_loop.SampledLoop(*(part[:1] for part in arm)),
         gains.learning,
         best.torque_without_springs,
         lead=lead,
         kept=kept,
         jump=jump,
     )
-    first = onset.at_the_beginning(limit, begins)
-    grows = [first, onset.elsewhere(loop, lead=lead)]
+    beginning = onset.at_the_beginning(limit, begins)
+    grows = [beginning, onset.elsewhere(loop, lead=lead)]
+    harmonics = loop.most_harmonics(lead)
     # At most what it would be if the poses were held: the eigenvalues take time.
     most = float(loop.multiplier(lead)[:, loop.low].max()) - 1
-    if most > (first.growth if first else 0):
-        grows.append(onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept))
+    if most > (beginning.growth if beginning else 0):
+        low = onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept, first=harmonics + 1)
+        grows.append(low)
     return Divergence(
         onset=min((one for one in grows if one), key=lambda one: one.cycle),
         lead=next((one for one in LEADS if loop.margin(one, kept) >= 1), None),
-        harmonics=loop.most_harmonics(lead),
+        harmonics=harmonics,
         margin=margin,
     )

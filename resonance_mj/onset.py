@@ -130,7 +130,13 @@ def at_the_beginning(limit: float, begins: Beginning) -> Onset | None:
 
 
 def of_low_harmonics(
-    limit: float, loop: LearningLoop, begins: Beginning, *, lead: int, kept: int | None
+    limit: float,
+    loop: LearningLoop,
+    begins: Beginning,
+    *,
+    lead: int,
+    kept: int | None,
+    first: int,
 ) -> Onset | None:
     """What grows of the low harmonics together, until its mean square passes a limit.
 
@@ -140,6 +146,7 @@ def of_low_harmonics(
         begins: gives what is there to grow: τ_d, and what the first cycle teaches beside it.
         lead: δ [control periods].
         kept: harmonics that the learned torque keeps; None for all.
+        first: the lowest that grows.
     """
     coupled = loop.coupled(lead, kept)
     P = np.eye(len(coupled)) - coupled
@@ -149,19 +156,20 @@ def of_low_harmonics(
     if not grows.any():
         return None
     n = begins.needed.shape[1]
-    most = (len(P) // n - 1) // 2
+    low = (len(P) // n + 1) // 2
     _, second = islice(begins.learned(), 2)
     beside = second - begins.needed + _times(begins.P, begins.needed)
-    left = beside[: most + 1] - (P @ _both_sides(begins.needed[: most + 1])).reshape(-1, n)[most:]
-    share = np.linalg.solve(vectors, _both_sides(left))[grows, None]
+    left = _as_real(beside[:low]) - P @ _as_real(begins.needed[:low])
+    share = np.linalg.solve(vectors, left)[grows, None]
     shapes = vectors[:, grows]
 
     def below(share: np.ndarray) -> bool:
         return float((np.abs(shapes @ share) ** 2).sum()) <= limit
 
-    fastest = int(np.abs(vectors[:, growth.argmax()]).argmax()) // n - most
+    fastest = int(np.abs(vectors[:, growth.argmax()]).argmax()) // n
+    fastest = fastest if fastest < low else fastest - low + 1
     more = _times_until(below, values[grows, None, None], share)
-    return Onset(loop.most_harmonics(lead) + 1, abs(fastest), float(growth.max()), 2 + more)
+    return Onset(first, fastest, float(growth.max()), 2 + more)
 
 
 def elsewhere(loop: LearningLoop, *, lead: int) -> Onset | None:
@@ -192,9 +200,9 @@ def _times_until(below: Callable[[np.ndarray], bool], P: np.ndarray, U: np.ndarr
     return count + 1.0
 
 
-def _both_sides(ascending: np.ndarray) -> np.ndarray:
-    """Harmonics from -most to most of a real signal, from those from 0 to most, in one vector."""
-    return np.concatenate([ascending[:0:-1].conj(), ascending]).ravel()
+def _as_real(U: np.ndarray) -> np.ndarray:
+    """Harmonics from 0 up (H, n) as the real vector that `LearningLoop.coupled` acts on."""
+    return np.concatenate([U[:1].real, np.sqrt(2) * U[1:].real, np.sqrt(2) * U[1:].imag]).ravel()
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -104,20 +104,36 @@ class LearningLoop(NamedTuple):
         return stable
 
     def coupled(self, lead: int, kept: int | None = None) -> np.ndarray:
-        """β G e^{jωδΔt} of the low harmonics, from -L to L, together ((2L + 1) n, (2L + 1) n)."""
-        poses, _, n, _ = self.gain.shape
+        """β G e^{jωδΔt} of the L low harmonics together ((2L + 1) n, (2L + 1) n).
+
+        On real vectors: the mean, then √2 Re U_h of the harmonics from 1 to L, then √2 Im U_h.
+        Their square is the mean square of the signal.
+        """
+        poses = len(self.gain)
         most = int(self.harmonics[self.low].max())
         most = most if kept is None else min(kept, most)
-        ascending = self.gain[:, : most + 1]
-        both = np.concatenate([ascending[:, :0:-1].conj(), ascending], axis=1)
-        spectrum = np.fft.fft(both, axis=0) / poses
-        h = np.arange(-most, most + 1)
-        apart = h[:, None] - h
-        # What so many poses cannot tell is left out.
-        seen = 2 * np.abs(apart) < poses
-        blocks = np.where(seen[..., None, None], spectrum[apart % poses, h + most], 0)
-        blocks = blocks * ahead(h, lead, self.steps)[:, None, None, None]
-        return blocks.swapaxes(1, 2).reshape(len(h) * n, -1)
+        spectrum = np.fft.fft(self.gain[:, : most + 1], axis=0) / poses
+        h = np.arange(most + 1)
+        turned = ahead(h, lead, self.steps)[:, None, None, None]
+
+        def block(apart: np.ndarray, part: np.ndarray) -> np.ndarray:
+            # What so many poses cannot tell is left out.
+            seen = 2 * np.abs(apart) < poses
+            return np.where(seen[..., None, None], part[apart % poses, h], 0) * turned
+
+        # Y_h of U_h', and of U_-h' = U_h'*, whose Ĝ are those of h' conjugated.
+        same = block(h[:, None] - h, spectrum)
+        mirrored = block(h[:, None] + h, spectrum[-np.arange(poses)].conj())
+        plus, minus = same + mirrored, same - mirrored
+        plus[:, 0] = same[:, 0]
+        plus[0, 1:], minus[0, 1:] = plus[0, 1:] / np.sqrt(2), minus[0, 1:] / np.sqrt(2)
+        plus[1:, 0] *= np.sqrt(2)
+        return np.block(
+            [
+                [_flat(plus.real), -_flat(minus.imag[:, 1:])],
+                [_flat(plus.imag[1:]), _flat(minus.real[1:, 1:])],
+            ]
+        )
 
     def _before(self, grows: np.ndarray) -> int:
         """The last harmonic before the first that grows, the last of all if none does."""
@@ -161,6 +177,12 @@ def on_circle(harmonics: np.ndarray, steps: int) -> np.ndarray:
 def ahead(harmonics: np.ndarray, lead: int, steps: int) -> np.ndarray:
     """e^{jωδΔt}: what reading `lead` samples ahead multiplies harmonics of 1/T by."""
     return np.exp(2j * np.pi * harmonics * lead / steps)
+
+
+def _flat(blocks: np.ndarray) -> np.ndarray:
+    """Blocks (a, b, n, n) as one matrix (a n, b n)."""
+    a, b, n, _ = blocks.shape
+    return blocks.swapaxes(1, 2).reshape(a * n, b * n)
 
 
 def _gain_margin(mu: np.ndarray, growth: float = GROWTH) -> float:

@@ -328,6 +328,18 @@ def test_learning_with_lead_reads_the_error_that_many_samples_ahead(seed, n, lea
     )
 
 
+@repeatable
+@given(seeds, joints, st.integers(1, 99))
+def test_learning_with_a_low_pass_keeps_the_first_harmonics_and_11(seed, n, harmonics):
+    u, y, q, beta, q_s = cycle(seed, n)
+    found = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s, harmonics=harmonics)
+    q_bar = q - q_s
+    w = (learning.low_pass(u - beta * y, harmonics) - found) / q_bar
+    np.testing.assert_allclose(w, np.broadcast_to(w[0], w.shape), rtol=1e-6, atol=1e-9)
+    size = np.linalg.norm(found, axis=0) * np.linalg.norm(q_bar, axis=0)
+    assert (np.abs((found * q_bar).sum(axis=0)) <= 1e-9 * (size + 1)).all()
+
+
 def test_learning_of_many_robots_is_that_of_each():
     u, y, q, beta, q_s = cycle(0, 3, robots=(5,))
     together = learning.learn(u, y, q, gain=gain_of(beta, u.shape[-1]), q_s=q_s, lead=2)

@@ -93,6 +93,7 @@ def test_every_key_is_described_with_its_meaning():
         ({"law.k_p": [2000, math.inf]}, ["law.k_p.1 = inf", "finite"]),
         ({"law.gamma_k": [1, -2]}, ["law.gamma_k.1 = -2", "greater than or equal to 0"]),
         ({"law.lead": 1000}, ["law.lead = 1000", "1000 time steps"]),
+        ({"law.harmonics": 501}, ["law.harmonics = 501", "Nyquist", "motion.0", "1 to 500"]),
         ({"law.q_c": "median"}, ["law.q_c = 'median'", "'mean'"]),
         ({"simulation.timestep": 0.0}, ["simulation.timestep = 0.0", "greater than 0"]),
         ({"simulation.timestep": 0.0007}, ["motion.0.period", "1428.57 time steps", "example"]),
