@@ -27,6 +27,7 @@ from numba.extending import intrinsic
 from . import controller, equations, memory, springs, structs
 from .controller import Command, act, begins_step, end_stage, failed, hold, standard
 from .errors import CallbackError
+from .files import one_at_a_time
 from .memory import Header, block, matrix
 
 _installing = threading.Lock()
@@ -101,7 +102,12 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
     """The control callback as a C function, compiled once and cached on disk."""
     llvmlite.binding.load_library_permanently(str(_libmujoco()))
     try:
-        function = _compile(structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint(), command)
+        # Numba's cache is an index and numbered files: of two processes that write different laws
+        # at once, one would later load the other's.
+        with one_at_a_time(Path(__file__)):
+            function = _compile(
+                structs.MODEL_OFFSETS, structs.DATA_OFFSETS, _fingerprint(), command
+            )
     except NumbaError as error:
         reason = str(error).strip().splitlines()
         raise CallbackError(

@@ -1,12 +1,17 @@
-"""Writing files so that nothing half-written is ever left under its final name."""
+"""Files that several processes may touch: never half-written, and one process at a time."""
 
 from __future__ import annotations
 
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 from .errors import OutputError
 
@@ -63,3 +68,17 @@ def replacing(path: Path) -> Iterator[Path]:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
         beside.unlink(missing_ok=True)
+
+
+@contextmanager
+def one_at_a_time(path: Path) -> Iterator[None]:
+    """Let one process after the other into the block, of all that name the same file.
+
+    It only reads the file, and leaves nothing behind. Where the system or the file system has no
+    locks, all enter.
+    """
+    with path.open("rb") as file:
+        if fcntl is not None:
+            with suppress(OSError):
+                fcntl.flock(file, fcntl.LOCK_EX)
+        yield
