@@ -1,17 +1,16 @@
-"""Rewrite the numbers that a file expects with those that its run shows, and nothing else of it."""
+"""Rewrite the numbers that a file expects and its run misses, and nothing else of the file."""
 
 from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import tomlkit
 
 from .check import Band, Judgement
-from .convergence import number
+from .convergence import is_number, number
 from .errors import ExperimentError
 from .files import replacing
 from .run import Run
@@ -23,8 +22,8 @@ RECORDED = ("resonance-mj", "mujoco")
 class Update:
     """The new text of an experiment file, to be looked at and then written.
 
-    What is "optimal" stays so, and bounds are requirements: only numbers with a tolerance change.
-    Comments and layout stay as they are.
+    What is "optimal" stays so, and bounds are requirements: only numbers with a tolerance change,
+    and only where the run misses them. Comments and layout stay as they are.
 
     Args:
         path: the file.
@@ -40,8 +39,8 @@ class Update:
         self.before = path.read_bytes().decode("utf-8")
         document = tomlkit.parse(self.before)
         expect: Any = document["expect"]
-        numbers = list(_numbers(judgements))
-        for key, found in numbers:
+        numbers = _missed_numbers(judgements)
+        for key, found in numbers.items():
             parent: Any = document
             for part in key.split("."):
                 parent = parent[int(part) if part.isdigit() else part]
@@ -71,13 +70,12 @@ class Update:
                 path.write_bytes(self.after.encode("utf-8"))
 
 
-def _numbers(judgements: list[Judgement]) -> Iterator[tuple[str, list[Judgement]]]:
-    """What is expected as numbers: the key, and what was found for each joint and motion."""
-    stored: dict[str, list[Judgement]] = {}
-    for one in judgements:
-        if isinstance(one.band.expected, float) and not one.band.optimal:
-            stored.setdefault(one.key, []).append(one)
-    yield from stored.items()
+def _missed_numbers(judgements: list[Judgement]) -> dict[str, list[Judgement]]:
+    """Keys of expected numbers that were missed, and what was found for each joint and motion."""
+    numbers: dict[str, list[Judgement]] = {}
+    for one in filter(is_number, judgements):
+        numbers.setdefault(one.key, []).append(one)
+    return {key: found for key, found in numbers.items() if not all(one.passed for one in found)}
 
 
 def _rewrite(table: Any, found: list[Judgement], where: str) -> None:
