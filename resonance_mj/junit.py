@@ -40,7 +40,7 @@ def write(path: Path, runs: Sequence[Run], judgements: Sequence[list[Judgement]]
                 suite,
                 "testcase",
                 classname=run.experiment.name,
-                name=f"{one.key}: {title(one)}",
+                name=_valid(f"{one.key}: {title(one)}"),
                 time="0",
             )
             if not one.passed:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,19 +40,13 @@ class Update:
         self.path = path.resolve()
         self.before = path.read_bytes().decode("utf-8")
         document = tomlkit.parse(self.before)
-        expect: Any = document["expect"]
         numbers = _missed_numbers(judgements)
         for key, found in numbers.items():
             parent: Any = document
             for part in key.split("."):
                 parent = parent[int(part) if part.isdigit() else part]
             _rewrite(parent, found, f"{path}: {key}")
-        if numbers:
-            versions = tomlkit.inline_table()
-            versions.update({name: run.versions[name] for name in RECORDED})
-            if expect.get("versions") != versions:
-                expect["versions"] = versions
-        self.after = tomlkit.dumps(document)
+        self.after = _with_versions(document, run.versions) if numbers else self.before
 
     def differences(self) -> list[str]:
         """The lines that change, as a unified diff; none if nothing does."""
@@ -68,6 +64,21 @@ class Update:
         if self.after != self.before:
             with replacing(self.path) as path:
                 path.write_bytes(self.after.encode("utf-8"))
+
+
+def _with_versions(document: tomlkit.TOMLDocument, versions: Mapping[str, str]) -> str:
+    """The text, with the versions that its numbers come from in [expect]."""
+    recorded = tomlkit.inline_table()
+    recorded.update({name: versions[name] for name in RECORDED})
+    expect: Any = document["expect"]
+    text = tomlkit.dumps(document)
+    header = re.search(r"^[ \t]*\[expect\].*?(\r?\n)", text, re.MULTILINE)
+    if header is None or "versions" in expect:
+        expect["versions"] = recorded
+        return tomlkit.dumps(document)
+    # Below the header: tomlkit would put it behind the comments of the table that follows.
+    end = header.end()
+    return f"{text[:end]}versions = {recorded.as_string()}{header[1]}{text[end:]}"
 
 
 def _missed_numbers(judgements: list[Judgement]) -> dict[str, list[Judgement]]:
