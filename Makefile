@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-robots check format benchmark clean
+.PHONY: paper test test-robots test-sensitivity mutation check format benchmark clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 	$(BIN)/resonance-mj run paper
@@ -13,6 +13,9 @@ test: $(VENV)/installed-dev   ## run the tests
 
 test-robots: $(VENV)/installed-dev   ## the law on commercial arms, downloaded; some minutes
 	$(BIN)/python -m pytest -m robots
+
+test-sensitivity: $(VENV)/installed-dev   ## that the runs' expectations catch each single change
+	$(BIN)/python -m pytest -m sensitivity
 
 check: $(VENV)/installed-dev   ## format, lint, types, import order
 	$(BIN)/ruff format --check .

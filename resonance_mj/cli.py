@@ -18,6 +18,7 @@ from .errors import ExperimentError, ResonanceError
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from .check import Judgement
     from .experiment import Experiment
     from .run import Run
 
@@ -35,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         changes, rest = _split(arguments)
         options = _parser().parse_args(rest)
         options.changes = changes
-        if changes and options.command not in (_run, _optimum, _compare):
+        if changes and options.command not in (_run, _optimum, _compare, _check):
             key = next(iter(changes))
             raise ExperimentError(f"--{key}: this command takes no keys of an experiment")
         return int(options.command(options))
@@ -122,6 +123,21 @@ def _parser() -> argparse.ArgumentParser:
     certify.add_argument(
         "--out", metavar="FOLDER", type=Path, help="where to draw; the run's folder"
     )
+    check = _command(commands, "check", _check, "hold runs against what their experiments expect")
+    check.add_argument(
+        "runs",
+        metavar="RUN",
+        nargs="*",
+        help="TOML files with [expect], folders of such, or built-in names; all in the working "
+        "folder and its folder runs, or else the built-in ones",
+    )
+    check.add_argument("--junit", metavar="FILE", type=Path, help="write the verdicts as XML")
+    check.add_argument(
+        "--update",
+        action="store_true",
+        help="rewrite the numbers expected in the files with those found",
+    )
+    check.epilog = _KEYS
 
     _command(commands, "list", _list, "the experiments and robots that come with the program")
     _command(commands, "keys", _keys, "every key of an experiment, with unit and default")
@@ -289,6 +305,73 @@ def _compare(options: argparse.Namespace) -> int:
         soft_wrap=True,
     )
     return DONE
+
+
+def _check(options: argparse.Namespace) -> int:
+    if options.update and options.changes:
+        raise ExperimentError(
+            f"--{next(iter(options.changes))}: --update writes what the files' own runs show; "
+            "leave one of the two out"
+        )
+    from . import cases
+
+    if options.junit is not None:
+        from .files import could_be_written
+
+        could_be_written(options.junit.parent)
+    files = cases.named(options.runs)
+    experiments = [cases.read(path, options.changes) for path in files]
+    from . import convergence, tables
+    from .check import judge
+    from .simulation import simulate_many
+
+    console = _console()
+    with _bar(f"{len(files)} runs", None, console) as show:
+        runs = simulate_many(experiments, progress=show)
+    judgements = [judge(run) for run in runs]
+    for run, found in zip(runs, judgements, strict=True):
+        console.print(tables.judgements(run, found))
+    if options.junit is not None:
+        from . import junit
+
+        junit.write(options.junit, runs, judgements)
+    if options.update:
+        return _update(files, runs, judgements)
+    for run, found in zip(runs, judgements, strict=True):
+        if text := convergence.report(run, found):
+            console.print(text, soft_wrap=True)
+    missed = sum(not one.passed for found in judgements for one in found)
+    console.print(f"{len(runs)} runs, {sum(map(len, judgements))} expectations, {missed} missed")
+    return NOT_WELL if missed else DONE
+
+
+def _update(files: list[Path], runs: list[Run], judgements: list[list[Judgement]]) -> int:
+    """Write what was found into the files, and hold the runs against them again."""
+    from dataclasses import replace
+
+    from . import cases, updating
+    from .check import judge
+    from .run import Status
+
+    for path, run in zip(files, runs, strict=True):
+        if run.status is not Status.OK:
+            print(
+                f"resonance-mj: {path}: the run ended as {run.status}, and no file is updated: "
+                f"{run.message}",
+                file=sys.stderr,
+            )
+            return NOT_WELL
+    # All are made before any is written.
+    updates = [updating.Update(*each) for each in zip(files, runs, judgements, strict=True)]
+    missed = []
+    for update, run in zip(updates, runs, strict=True):
+        update.write()
+        print("\n".join(update.differences()) or f"{update.path}: nothing to update")
+        again = judge(replace(run, experiment=cases.read(update.path)))
+        missed += [f"{update.path}: {one.key}" for one in again if not one.passed]
+    for key in missed:
+        print(f"resonance-mj: {key}: missed, and not a number to update", file=sys.stderr)
+    return NOT_WELL if missed else DONE
 
 
 def _optimum(options: argparse.Namespace) -> int:

@@ -7,28 +7,24 @@ import math
 import os
 import tomllib
 from collections.abc import Mapping
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import tomlkit
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
 
 from . import library
 from .errors import ExperimentError
+from .expectations import Expect, Expected
+from .section import Finite, Gain, Positive, Section
 
 Vector = tuple[float, ...]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Gain = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Gains = Gain | Annotated[tuple[Gain, ...], Field(min_length=1)]
 Angles = Literal["mean"] | Finite | Annotated[tuple[Finite, ...], Field(min_length=1)]
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
-
-
-class Robot(_Model):
+class Robot(Section):
     """Which arm, which of its points follows the motion, and where it starts."""
 
     mjcf: str
@@ -43,7 +39,7 @@ class Robot(_Model):
     """Whether joints stop at the ends of their range."""
 
 
-class Task(_Model):
+class Task(Section):
     """What of the tool's pose is controlled."""
 
     coordinates: tuple[Literal["x", "y", "z", "rotation"], ...] | None = None
@@ -68,7 +64,7 @@ class Task(_Model):
         return tuple(sorted(value, key=lambda name: name == "rotation"))
 
 
-class Simulation(_Model):
+class Simulation(Section):
     """How MuJoCo integrates the robot."""
 
     timestep: Positive = 1e-3
@@ -96,7 +92,7 @@ class Simulation(_Model):
         raise ValueError(f"valid integrators are Euler, implicitfast and RK4{reason}")
 
 
-class Motion(_Model):
+class Motion(Section):
     """A periodic motion of the tool."""
 
     duration: Positive = 20.0
@@ -223,7 +219,7 @@ KINDS = (
 """The laws that an experiment can name, from the one that knows least to the one that knows all."""
 
 
-class Law(_Model):
+class Law(Section):
     """The controller and its gains, by the paper's symbols."""
 
     kind: str = "transfer"
@@ -291,7 +287,7 @@ class Law(_Model):
         return self.kind in ("joint-space", "computed-torque")
 
 
-class Springs(_Model):
+class Springs(Section):
     """What the springs can do, and how they start."""
 
     stiffness: tuple[float, float] = (0.0, math.inf)
@@ -328,7 +324,7 @@ class Springs(_Model):
         return self
 
 
-class Experiment(_Model):
+class Experiment(Section):
     """One experiment: a robot, a task, motions in a row, a law and springs."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
@@ -339,6 +335,7 @@ class Experiment(_Model):
     motion: Annotated[tuple[Motion, ...], Field(min_length=1)] = (Motion(),)
     law: Law = Law()
     springs: Springs = Springs()
+    expect: Expect = Expect()
 
     @model_validator(mode="after")
     def _whole_time_steps(self) -> Experiment:
@@ -401,7 +398,10 @@ class Experiment(_Model):
 
     def to_toml(self) -> str:
         """The experiment as a TOML text that `load` reads back to an equal experiment."""
-        return tomlkit.dumps(_without_none(_as_lists(self.model_dump())))
+        values = _without_none(_as_lists(self.model_dump()))
+        if self.expect == Expect():
+            del values["expect"]
+        return tomlkit.dumps(values)
 
 
 def load(name: str | os.PathLike[str]) -> Experiment:
@@ -414,7 +414,7 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         ExperimentError: there is no such experiment, the file is not TOML, or a value in it is
             not valid.
     """
-    path = _find(name)
+    path = find(name)
     try:
         text = path.read_text(encoding="utf-8")
         values = tomllib.loads(text)
@@ -464,7 +464,12 @@ def describe() -> list[tuple[str, str, str]]:
     return rows
 
 
-def _find(name: str | os.PathLike[str]) -> Path:
+def find(name: str | os.PathLike[str]) -> Path:
+    """The file of a built-in experiment's name, or of a path.
+
+    Raises:
+        ExperimentError: there is no such experiment.
+    """
     built_in = library.experiments()
     if isinstance(name, str) and name in built_in:
         return built_in[name]
@@ -503,12 +508,16 @@ def _one_line(error: ValidationError, source: str) -> str:
         )
     if first["type"] == "missing":
         return f"{source}: {key}: missing; it has no default"
-    message = first["msg"].removeprefix("Value error, ")
+    message = _PLAIN.get(first["type"], first["msg"].removeprefix("Value error, "))
     message = message[0].lower() + message[1:]
     where = f"{source}: {key}" if key else source
     if not isinstance(first["input"], (dict, BaseModel)):
         where += f" = {_shown(first['input'])}"
     return f"{where}: {message}"
+
+
+_PLAIN = {"model_type": "a table of keys is needed", "tuple_type": "a list is needed"}
+"""What pydantic says in words of Python."""
 
 
 def _field_names(model: type[BaseModel]) -> set[str]:
@@ -522,13 +531,26 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "motion": Motion,
     "law": Law,
     "springs": Springs,
+    "expect": Expect,
+    "expect.stiffness": Expected,
 }
 _NAMES = set().union(_field_names(Experiment), *map(_field_names, _SECTIONS.values()))
 
 
 def _section(path: list[str]) -> list[str]:
-    model = _SECTIONS.get(path[0], Experiment) if path else Experiment
+    """Keys of the section at a path of keys and indices."""
+    model: type[BaseModel] = Experiment
+    for key in path:
+        if key in model.model_fields:
+            model = _inside(model.model_fields[key].annotation) or model
     return list(model.model_fields)
+
+
+def _inside(annotation: Any) -> type[BaseModel] | None:
+    """The section that a field holds, alone, as an option or in a tuple."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(_inside, get_args(annotation))), None)
 
 
 def _child(node: Any, key: str, whole: str) -> Any:
@@ -562,6 +584,8 @@ def _not_zero(value: float | Vector) -> bool:
 
 
 def _shown(value: Any) -> str:
+    if isinstance(value, StrEnum):
+        value = str(value)
     text = repr(list(value) if isinstance(value, tuple) else value)
     return text if len(text) <= 80 else text[:77] + "..."
 

@@ -8,7 +8,6 @@ import os
 import platform
 import sys
 from dataclasses import dataclass, field
-from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -19,15 +18,7 @@ from . import metrics
 from .errors import OutputError
 from .experiment import Experiment, load
 from .files import replacing, writable
-
-
-class Status(StrEnum):
-    """How a run ended."""
-
-    OK = "ok"
-    """All cycles were simulated."""
-    DIVERGED = "diverged"
-    """The arm left all bounds: try `law.lead = 1`, a smaller `law.beta` or a shorter time step."""
+from .status import Status
 
 
 def versions() -> dict[str, str]:

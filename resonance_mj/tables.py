@@ -12,6 +12,7 @@ from rich.console import Group
 from rich.table import Table
 
 if TYPE_CHECKING:
+    from .check import Judgement
     from .claims import Certificates
     from .comparison import Comparison
     from .experiment import Experiment
@@ -254,6 +255,36 @@ def suggestion(found: Inspection) -> Table:
         ("harmonics of 1/T that are learned", str(gains.harmonics or "all")),
     ):
         table.add_row(label, value)
+    return table
+
+
+def judgements(run: Run, found: list[Judgement]) -> Table:
+    """What a run was expected to show, and what it shows."""
+    from . import convergence
+
+    missed = sum(not one.passed for one in found)
+    table = Table(
+        title=f"{run.experiment.name}: {missed or 'none'} of {len(found)} expectations missed",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
+    table.add_column("motion")
+    table.add_column("figure")
+    for heading in ("expected", "tolerance", "found"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict")
+    for one in found:
+        table.add_row(
+            str(one.motion or ""),
+            convergence.figure(one),
+            convergence.expected(one.band),
+            convergence.tolerance(one.band),
+            convergence.number(one.found, one.band),
+            "passed" if one.passed else "MISSED",
+            style=None if one.passed else "bold red",
+        )
     return table
 
 

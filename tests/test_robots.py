@@ -22,6 +22,10 @@ def test_a_robot_has_what_a_picture_and_a_run_need(name):
     assert model.site("tool").id >= 0
     assert model.key("home").id >= 0
     assert model.nmesh == 0
+    for kind, count in (("body", model.nbody), ("joint", model.njnt), ("actuator", model.nu)):
+        for index in range(count):
+            element = getattr(model, kind)(index)
+            assert element.name, f"{kind} {index} has no name"
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -72,31 +76,48 @@ def test_every_robot_has_a_run_and_a_line_in_the_readme(name):
     assert name in (library.folder("mjcf") / "README.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", RUNS)
-def test_two_cycles_of_every_run_are_finite_and_the_same_twice(name):
+def two_cycles(name):
     experiment = rmj.load(name)
     short = [motion.model_dump() | {"duration": 2 * motion.period} for motion in experiment.motion]
-    experiment = experiment.replace({"motion": short})
-    first, second = rmj.simulate(experiment), rmj.simulate(experiment)
-    assert first.status is rmj.Status.OK
-    for signal in ("q", "tau", "stiffness", "offset"):
-        assert np.isfinite(first.data[signal]).all()
-        np.testing.assert_array_equal(first.data[signal], second.data[signal])
+    return experiment.replace({"motion": short})
+
+
+@pytest.fixture(scope="module")
+def together():
+    return dict(zip(RUNS, rmj.simulate_many(list(map(two_cycles, RUNS)), threads=2), strict=True))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_two_cycles_of_every_run_are_finite_and_the_same_bits_alone_and_in_a_batch(name, together):
+    """Of all robots and laws at once, on two threads."""
+    alone = rmj.simulate(two_cycles(name))
+    assert alone.status is together[name].status is rmj.Status.OK
+    for signal, values in alone.data.items():
+        if values.dtype.kind == "f" and "equilibrium" not in signal:
+            assert np.isfinite(values).all(), signal
+        assert values.values.tobytes() == together[name].data[signal].values.tobytes(), signal
 
 
 @pytest.mark.parametrize(
     "name", [run for run in RUNS if not run.startswith(("paper", "two-link-transfer"))]
 )
-def test_a_run_is_predicted_to_be_stable_reaches_the_optimum_within_ten_cycles_and_stays(name):
-    run = rmj.simulate(rmj.load(name), strict=True)
-    for segment in run.summary()["segments"]:
-        assert segment["cycles_to_optimum"] <= 10
-        assert segment["torque_squared"] < 1.02 * segment["torque_squared_optimal"]
-        assert segment["tracking_rms"] < 1.5e-3
-        assert min(segment["stiffness"]) >= 0
+def test_an_arm_touches_nothing_on_its_way_and_its_springs_are_springs(name):
+    """Whether it reaches the optimum is what the run itself expects: runs/ is collected too."""
+    run = rmj.simulate(rmj.load(name).replace({"motion.0.duration": 4.0}), strict=True)
+    assert (run.data.stiffness.values >= 0).all()
     robot = build(run.experiment)
     data = mujoco.MjData(robot.model)
     for q in run.data.q.values[::50]:
         data.qpos[robot.qpos_address] = q
         mujoco.mj_fwdPosition(robot.model, data)
         assert data.ncon == data.nefc == 0
+
+
+def test_every_run_says_what_it_must_show():
+    """Springs, torque and status of each motion, as numbers or as the optimum."""
+    for name in RUNS:
+        expect = rmj.load(name).expect
+        assert expect.status is rmj.Status.OK
+        for motion in expect.motion or [expect]:
+            figures = expect.figures() | motion.figures()
+            assert {"stiffness", "torque_reduction", "tracking_rms"} <= set(figures), name

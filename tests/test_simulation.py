@@ -3,7 +3,10 @@
 import contextlib
 import functools
 import json
+import os
 import re
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -359,6 +362,30 @@ def test_experiments_together_equal_each_alone_to_the_last_bit(
     for run, index in zip(together, order, strict=True):
         assert_equal_to_the_last_bit(run, one_by_one[index])
         assert (run.status == rmj.Status.DIVERGED) == (index == 2)
+
+
+FINGERPRINT = """
+import hashlib, sys
+import resonance_mj as rmj
+experiment = rmj.load("paper").replace({"motion.0.duration": 2.0, "motion.1.duration": 1.0})
+data = rmj.simulate(experiment).data
+bits = b"".join(data[name].values.tobytes() for name in sorted(data))
+print(hashlib.sha256(bits).hexdigest())
+"""
+
+
+def test_another_process_with_other_numbers_of_threads_makes_the_same_bits():
+    """Threads of the linear algebra under NumPy, of Numba and of OpenMP; another hash seed too."""
+    variables = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
+    found = []
+    for threads in ("1", "3"):
+        environment = os.environ | dict.fromkeys(variables, threads) | {"PYTHONHASHSEED": threads}
+        process = subprocess.run(
+            [sys.executable, "-c", FINGERPRINT], env=environment, capture_output=True, text=True
+        )
+        assert process.returncode == 0, process.stderr
+        found.append(process.stdout)
+    assert found[0] == found[1]
 
 
 def test_no_experiments_make_no_runs():

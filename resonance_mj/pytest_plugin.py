@@ -1,0 +1,117 @@
+"""The pytest plugin: a TOML file with [expect] is a test, and `resonance_run` is a fixture.
+
+Every pytest imports it where this package is installed: what is heavy is imported when it is used.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from .experiment import Experiment
+    from .run import Run
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The option and the ini setting that make TOML files tests."""
+    group = parser.getgroup("resonance", "runs of robots with adjustable springs (resonance-mj)")
+    group.addoption(
+        "--resonance",
+        action="store_true",
+        help="collect *.toml files with a section [expect], and hold their runs against it",
+    )
+    parser.addini("resonance", "as --resonance", type="bool", default=False)
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """An experiment file that says what to expect, where the user has asked for such tests."""
+    if file_path.suffix != ".toml":
+        return None
+    if not (parent.config.getoption("resonance") or parent.config.getini("resonance")):
+        return None
+    from .cases import holds_expectations
+
+    saved = file_path.with_name("run.nc").exists()  # an experiment that a run was saved with
+    if saved or not holds_expectations(file_path):
+        return None
+    return ExperimentFile.from_parent(parent, path=file_path)
+
+
+class ExperimentFile(pytest.File):
+    """A TOML file with [expect]."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """The test that it is; bad input is an error of collection, in one line."""
+        from .cases import read
+        from .errors import ResonanceError
+
+        try:
+            experiment = read(self.path)
+        except ResonanceError as error:
+            raise self.CollectError(str(error)) from None
+        yield ExperimentItem.from_parent(self, name=experiment.name, experiment=experiment)
+
+
+class ExperimentItem(pytest.Item):
+    """One experiment, simulated and held against what it expects."""
+
+    def __init__(self, *, experiment: Experiment, **rest: Any) -> None:
+        super().__init__(**rest)
+        self.experiment = experiment
+
+    def runtest(self) -> None:
+        """Simulate it, and fail if it misses an expectation."""
+        from .check import judge
+        from .convergence import report
+        from .simulation import simulate
+
+        run = simulate(self.experiment)
+        missed = report(run, judge(run))
+        if missed:
+            raise Missed(missed)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """What was missed, without a traceback through this package."""
+        from .errors import ResonanceError
+
+        if isinstance(excinfo.value, Missed | ResonanceError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """Where the test stands, for reports."""
+        return self.path, None, self.name
+
+
+class Missed(Exception):  # noqa: N818, an outcome like pytest's own
+    """A run does not show what is expected of it."""
+
+
+@pytest.fixture(scope="session")
+def resonance_run(
+    request: pytest.FixtureRequest,
+) -> Callable[..., Run]:
+    """The run of an experiment: `resonance_run("arm.toml", {"law.eta": 0.3})`.
+
+    Each is simulated once, for all tests and all workers of pytest-xdist, and again only if
+    something has changed that it depends on; `pytest --cache-clear` forgets all.
+    """
+    from .experiment import Experiment, load
+    from .run_cache import RunCache
+
+    cache = getattr(request.config, "cache", None)
+    runs = RunCache(cache.mkdir("resonance-mj") if cache is not None else None)
+
+    def run(
+        experiment: str | os.PathLike[str] | Experiment, changes: Mapping[str, Any] | None = None
+    ) -> Run:
+        if not isinstance(experiment, Experiment):
+            experiment = load(experiment)
+        return runs.run(experiment.replace(changes or {}))
+
+    return run
