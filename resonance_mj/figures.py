@@ -15,6 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from .files import replacing
@@ -31,6 +32,7 @@ STYLE: Any = {
     "font.size": 8,
     "axes.titlesize": 9,
     "axes.titlelocation": "left",
+    "axes.titley": 1.0,  # given, or matplotlib measures every text above the axes to find it
     "axes.grid": True,
     "grid.alpha": 0.3,
     "grid.linewidth": 0.5,
@@ -92,7 +94,7 @@ def _draw(run: Run) -> Figure:
             places |= {(name, j): (above + j, column) for j in range(len(joints))}
         heights = [1.0] * above + [0.75] * len(joints)
     heights.append(1.1)
-    width, height = 4.6 * columns, 2.3 * sum(heights)
+    width, height = 4.6 * columns, 2.3 * sum(heights) + 0.2
     fig = Figure(figsize=(width, height))
     # Fixed margins in inches: laying out by measuring every text takes longer than the simulation.
     grid = GridSpec(
@@ -103,7 +105,7 @@ def _draw(run: Run) -> Figure:
         left=0.5 / width,
         right=1 - 0.15 / width,
         bottom=0.5 / height,
-        top=1 - 0.62 / height,
+        top=1 - 0.85 / height,
         hspace=0.42,
         wspace=0.16,
     )
@@ -121,24 +123,24 @@ def _draw(run: Run) -> Figure:
                     title.replace("tool position", "tool rotation").replace("[m]", "[rad]")
                 )
             one = data.sel(axis=of)
-            windows.plot(ax, data, one["x"], MEASURED, "-", "measured")
-            windows.plot(ax, data, one["x_desired"], DESIRED, "--", "desired")
+            windows.plot(ax, data, one["x"], MEASURED, "-")
+            windows.plot(ax, data, one["x_desired"], DESIRED, "--")
             windows.label(ax)
         elif name == "tau":
             one = data.sel(joint=of)
-            windows.plot(ax, data, one["tau"], MEASURED, "-", "measured")
-            windows.plot(ax, data, one["tau_optimal"], OPTIMAL, "--", "optimal")
+            windows.plot(ax, data, one["tau"], MEASURED, "-")
+            windows.plot(ax, data, one["tau_optimal"], OPTIMAL, "--")
             windows.label(ax)
             _steady_limits(ax, data, one["tau"].values, one["tau_optimal"].values)
         else:
             _against_optimum(ax, data.sel(joint=of), name)
         ax.yaxis.set_major_locator(MaxNLocator(nbins=4))
-        _legend(ax)
     ax = fig.add_subplot(grid[-1, :])
     ax.set_title("mean of τᵀτ per cycle [N² m²]")
     _torque_squared(ax, data)
     heading = _heading(run)
     fig.suptitle(heading, x=0.5 / width, y=1 - 0.18 / height, ha="left", va="top", fontsize=10)
+    _legend(fig, 0.5 / width, 1 - 0.42 / height)
     return fig
 
 
@@ -195,13 +197,12 @@ class _Windows:
         self.left = np.concatenate([[0.0], np.cumsum(widths)])
 
     def plot(
-        self, ax: Axes, data: xr.Dataset, values: xr.DataArray, colour: str, dash: str, label: str
+        self, ax: Axes, data: xr.Dataset, values: xr.DataArray, colour: str, dash: str
     ) -> None:
         """Draw a signal over the windows."""
         for (low, high), left in zip(self.spans, self.left, strict=False):
             for time, piece in _pieces(data["time"].values, values.values, low, high):
-                ax.plot(time - low + left, piece, color=colour, linestyle=dash, label=label)
-                label = "_"
+                ax.plot(time - low + left, piece, color=colour, linestyle=dash)
 
     def label(self, ax: Axes) -> None:
         """Put the times on the axis, and mark where it breaks."""
@@ -262,16 +263,16 @@ def _pieces(
 def _against_optimum(ax: Axes, data: xr.Dataset, name: str) -> None:
     """An adapted parameter over the whole run, with its optimum dashed."""
     keep = slice(None, None, max(1, data.sizes["time"] // 1000))
-    ax.plot(data["time"].values[keep], data[name].values[keep], color=MEASURED, label="adapted")
+    ax.plot(data["time"].values[keep], data[name].values[keep], color=MEASURED)
     optimal, starts, ends = (data[key].values for key in (f"{name}_optimal", "start", "end"))
-    ax.hlines(optimal, starts, ends, color=OPTIMAL, linestyle="--", label="optimal")
+    ax.hlines(optimal, starts, ends, color=OPTIMAL, linestyle="--")
     ax.set_xlim(0, ends[-1])
     ax.set_xlabel("time [s]", labelpad=1)
 
 
 def _torque_squared(ax: Axes, data: xr.Dataset) -> None:
     cycles, segment = data["cycle"].values, data["segment_of_cycle"].values
-    for index, number in enumerate(data["segment"].values):
+    for number in data["segment"].values:
         mine = cycles[segment == number]
         if not mine.size:
             continue
@@ -279,9 +280,8 @@ def _torque_squared(ax: Axes, data: xr.Dataset) -> None:
         without = float(one["torque_squared_without_springs"])
         optimal = float(one["torque_squared_optimal"])
         ends = (mine[0] - 0.5, mine[-1] + 0.5)
-        shown = "_" if index else ""
-        ax.hlines(without, *ends, color=MUTED, linestyle=":", label=f"{shown}without springs")
-        ax.hlines(optimal, *ends, color=OPTIMAL, linestyle="--", label=f"{shown}optimal springs")
+        ax.hlines(without, *ends, color=MUTED, linestyle=":")
+        ax.hlines(optimal, *ends, color=OPTIMAL, linestyle="--")
         last = float(data["torque_squared"].sel(cycle=mine[-1]))
         found = f"{1 - last / without:.1%} less than without springs"
         if last > without:
@@ -297,24 +297,31 @@ def _torque_squared(ax: Axes, data: xr.Dataset) -> None:
             ha="right",
             bbox=LABEL_BOX,
         )
-    ax.plot(cycles, data["torque_squared"].values, "o-", ms=2.5, color=MEASURED, label="measured")
+    ax.plot(cycles, data["torque_squared"].values, "o-", ms=2.5, color=MEASURED)
     ax.set_yscale("log")
     ax.margins(y=0.12)
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_minor_locator(NullLocator())
     ax.set_xlim(0.5, max(cycles[-1], 2) + 0.5 if cycles.size else 1)
     ax.set_xlabel("cycle", labelpad=1)
-    _legend(ax)
 
 
-def _legend(ax: Axes) -> None:
-    """A legend above the axes' right end, in the line of the title."""
-    ax.legend(
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.98),
-        ncols=3,
-        borderaxespad=0.1,
-        handlelength=1.5,
+def _legend(fig: Figure, left: float, top: float) -> None:
+    """One legend for all axes: a colour means the same in each."""
+    lines = [
+        Line2D([], [], color=MEASURED, linestyle="-", label="measured"),
+        Line2D([], [], color=DESIRED, linestyle="--", label="desired"),
+        Line2D([], [], color=OPTIMAL, linestyle="--", label="with optimal springs"),
+        Line2D([], [], color=MUTED, linestyle=":", label="without springs"),
+    ]
+    fig.legend(
+        handles=lines,
+        loc="upper left",
+        bbox_to_anchor=(left, top),
+        ncols=len(lines),
+        borderaxespad=0,
+        borderpad=0,
+        handlelength=1.8,
         handletextpad=0.5,
-        columnspacing=1.2,
+        columnspacing=1.4,
     )

@@ -56,9 +56,14 @@ def _summary(run: Run, segments: list[dict[str, Any]], before: int) -> Table:
         row(f"stiffness {name} [{unit}]", "stiffness", 1, 3, joint)
     for joint, name in enumerate(run.data["joint"].values):
         row(f"offset {name} [{'N' if slides[joint] else 'N m'}]", "offset", 1, 3, joint)
-    row("tracking RMS [mm]", "tracking_rms", 1e3, 3)
-    if "rotation_rms" in run.data:
-        row("rotation RMS [mrad]", "rotation_rms", 1e3, 3)
+    for label, key in (
+        ("tracking RMS [mm]", "tracking_rms"),
+        ("rotation RMS [mrad]", "rotation_rms"),
+    ):
+        if key in run.data:
+            table.add_row(
+                label, *(cell for one in segments for cell in (_small(one[key], 1e3), ""))
+            )
     reached = [segment["cycles_to_optimum"] for segment in segments]
     cells = ((str(cycle or "never"), "") for cycle in reached)
     table.add_row("first cycle at the optimum", *(cell for pair in cells for cell in pair))
@@ -310,6 +315,11 @@ def _table(title: str, motions: int, before: int = 0) -> Table:
         table.add_column(f"motion {index + 1}", justify="right")
         table.add_column("optimum", justify="right", style="dim")
     return table
+
+
+def _small(value: float | None, scale: float) -> str:
+    """A figure that may fall by orders of magnitude, with three digits."""
+    return "-" if value is None else f"{value * scale:#.3g}"
 
 
 def _number(value: float | None, scale: float, digits: int) -> str:
