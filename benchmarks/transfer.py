@@ -83,6 +83,8 @@ def main() -> None:
         for name in options.names:
             experiment = changing(name)
             laws = {one.name: each for one, each in contending(experiment)}
+            if name == "two-link-transfer":  # the printed law with the paper's own beta
+                laws["printed"] = rmj.load("paper-centered")
             for law in ("printed", "transfer"):
                 bar = progress.add_task(f"{name}, {law}")
 

@@ -135,7 +135,7 @@ def transfer(
     mean = q.mean(axis=0)
     z = q - mean
     variance = (z**2).mean(axis=0)
-    w = spring_like_part(v, z)
+    w = np.where(variance > springs.STILL, spring_like_part(v, z), stiffness)
     level = v.mean(axis=0)
     recentred = offset + stiffness * (center - mean)
     k, b = np.empty_like(stiffness), np.empty_like(offset)

@@ -17,9 +17,6 @@ from .experiment import Experiment, Springs
 from .kinematics import JointMotion, Kinematics
 from .robot import Robot, build
 
-STILL = 1e-20
-"""Variance below which a joint stands still and needs no stiffness, only an offset [rad^2]."""
-
 
 @dataclass(frozen=True)
 class Optimum:
@@ -151,7 +148,7 @@ def best_springs(
     z = q - mean
     variance = (z**2).mean(axis=0)
     level = torque.mean(axis=0)
-    moves = variance > STILL
+    moves = variance > springs.STILL
     slope = np.divide((z * torque).mean(axis=0), variance, out=np.zeros_like(mean), where=moves)
 
     stiffness, offset, equilibrium = np.empty_like(mean), np.empty_like(mean), np.empty_like(mean)

@@ -10,7 +10,7 @@ from . import learning, springs
 from .cycles import Cycle
 from .experiment import Springs
 from .gains import Gains
-from .optimal_springs import STILL, Optimum
+from .optimal_springs import Optimum
 
 Handover = Callable[[Cycle, Cycle, Gains, np.ndarray, Springs], tuple[np.ndarray, np.ndarray]]
 """What (9) and (11) leave over (n,), (n,) from a cycle to the next, with the gains, q_s, bounds."""
@@ -73,7 +73,7 @@ def untaken(
     mean = q.mean(axis=0)
     z = q - mean
     variance = (z**2).mean(axis=0)
-    w = np.where(variance > STILL, learning.spring_like_part(torque, z), 0.0)
+    w = np.where(variance > springs.STILL, learning.spring_like_part(torque, z), 0.0)
     level = torque.mean(axis=0)
     shift = mean - center
     low, high = bounds.equilibrium

@@ -15,6 +15,10 @@ import numpy as np
 
 from .step_functions import step_function
 
+STILL = 1e-8
+"""Variance of a joint angle [rad²] up to which the joint stands still: a tenth of a milliradian. It
+needs no stiffness, only an offset; and what a stiffness would be, torque over angle, is arbitrary."""
+
 LIMP = 1e-12
 """Stiffness [N m/rad] in place of 0 where a spring without bounds must exert an offset torque."""
 

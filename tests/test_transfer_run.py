@@ -65,3 +65,13 @@ def test_springs_are_handed_torque_without_a_jump_of_the_total(cycle):
     learned = run().data["u"].values[there] + handed
     spectrum = np.abs(np.fft.rfft(learned, axis=0))
     assert spectrum[21:].max() < 1e-9 * spectrum.max()
+
+
+def test_a_joint_that_stands_still_gets_no_stiffness_and_stays_stable():
+    """The task leaves the SCARA's wrist free: its angle fades away, and torque over angle with it."""
+    experiment = rmj.load("scara")
+    motion = experiment.motion[0].model_dump() | {"duration": 60.0}
+    found = rmj.simulate(experiment.replace({"motion": [motion]}))
+    assert found.status is rmj.Status.OK, found.message
+    assert found.data["q"].values[-1000:, -1].std() < 1e-4
+    assert found.data["stiffness"].values[-1, -1] < 1e-3
