@@ -66,19 +66,18 @@ class Case:
         return cycle if cycle <= len(self.ratio) else None
 
     @property
-    def amplitude(self) -> np.ndarray:
-        """|U| of each recorded cycle at the harmonic predicted to grow fastest (cycles,)."""
+    def learned(self) -> np.ndarray:
+        """U of each recorded cycle at the harmonic predicted to grow fastest (cycles, joints)."""
         data = self.run.data
         steps = round(self.experiment.motion[0].period / self.experiment.simulation.timestep)
         u = data["u"].values.reshape(-1, steps, data.sizes["joint"])
-        spectrum = np.fft.rfft(u, axis=1)[:, self.why.onset.fastest] / steps
-        return np.linalg.norm(spectrum, axis=-1)
+        return np.fft.rfft(u, axis=1)[:, self.why.onset.fastest] / steps
 
     @property
     def growth(self) -> float:
-        """Growth per cycle of this amplitude in the last third of the cycles up to `worse`."""
-        seen = self.amplitude[: self.worse]
-        last = np.log(seen[2 * len(seen) // 3 :])
+        """Growth per cycle of its change from cycle to cycle, in the last third up to `worse`."""
+        change = np.linalg.norm(np.diff(self.learned[: self.worse], axis=0), axis=-1)
+        last = np.log(change[2 * len(change) // 3 :])
         return float(np.exp(np.polyfit(np.arange(len(last)), last, 1)[0]) - 1)
 
 
@@ -205,7 +204,7 @@ def _multipliers(axes: Axes, motion: int, beta: float) -> None:
 def _amplitudes(axes: Axes, of: Sequence[Case]) -> None:
     for one in of:
         colour = OF_BETAS[BETAS.index(one.beta)]
-        amplitude, worse = one.amplitude, one.worse
+        amplitude, worse = np.linalg.norm(one.learned, axis=-1), one.worse
         cycle = np.arange(1, len(amplitude) + 1)
         predicted = amplitude[worse - 1] * (1 + one.why.onset.growth) ** (cycle - worse)
         axes.loglog(cycle[1:], amplitude[1:], "-" if one.motion else "--", color=colour)

@@ -28,13 +28,16 @@ class Divergence(NamedTuple):
     Attributes:
         onset: what grows, and the cycle of such a motion in which torque² passes that of the motion
             without springs, if it were repeated for so long.
-        lead: a `law.lead` that would not diverge, None if none of `LEADS`.
+        lead: the best `law.lead` of `LEADS`.
+        lead_margin: the multiple of β, or of η, that would not diverge with it, 1 or more if this β
+            would not.
         harmonics: the largest `law.harmonics` found that would not; 0 if there is none.
         margin: the multiple of β, or of η, that would not; next to 0 where every one diverges.
     """
 
     onset: Onset
-    lead: int | None
+    lead: int
+    lead_margin: float
     harmonics: int
     margin: float
 
@@ -62,7 +65,9 @@ def divergences(
         begun = np.concatenate([joints.q[0], joints.dq[0]])
         jump = None if motion.blend else start - begun
         loaded = robot.carrying(motion.payload)
-        why = _of_motion(experiment, loaded, gains, joints, best, q_c, jump)
+        # Gains beyond all bounds overflow, and are above every limit all the same.
+        with np.errstate(over="ignore", invalid="ignore"):
+            why = _of_motion(experiment, loaded, gains, joints, best, q_c, jump)
         if why:
             # A passage into the motion teaches nothing.
             cycle = why.onset.cycle + motion.blend
@@ -82,7 +87,6 @@ def _of_motion(
     jump: np.ndarray | None,
 ) -> Divergence | None:
     steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
-
     poses = joints.q[np.arange(POSES) * steps // POSES]
     arm = sampled_loop.along(experiment, robot, gains, poses, stiffness=best.stiffness, q_c=q_c)
     if not arm.stable:
@@ -108,9 +112,17 @@ def _of_motion(
     if most > (beginning.growth if beginning else 0):
         low = onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept, first=harmonics + 1)
         grows.append(low)
+    with_lead, lead_margin = LEADS[0], 0.0
+    for other in LEADS:
+        found = loop.margin(other, kept)
+        if found > lead_margin:
+            with_lead, lead_margin = other, found
+        if found >= 1:
+            break
     return Divergence(
         onset=min((one for one in grows if one), key=lambda one: one.cycle),
-        lead=next((one for one in LEADS if loop.margin(one, kept) >= 1), None),
+        lead=with_lead,
+        lead_margin=lead_margin,
         harmonics=harmonics,
         margin=margin,
     )

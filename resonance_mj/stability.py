@@ -187,8 +187,8 @@ def _flat(blocks: np.ndarray) -> np.ndarray:
 
 def _gain_margin(mu: np.ndarray, growth: float = GROWTH) -> float:
     """The largest s with |1 - s μ| <= 1 + growth for every μ."""
-    size = np.abs(mu) ** 2
-    real = mu.real
-    most = real + np.sqrt(real**2 + size * ((1 + growth) ** 2 - 1))
+    size = np.abs(mu)
+    real = np.divide(mu.real, size, out=np.ones(size.shape), where=size > 0)
+    most = real + np.sqrt(real**2 + (1 + growth) ** 2 - 1)
     scale = np.divide(most, size, out=np.full(size.shape, np.inf), where=size > 0)
     return float(scale.min(initial=np.inf))

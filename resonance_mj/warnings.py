@@ -127,8 +127,11 @@ def _diverging(
     law, grows = experiment.law, why.onset
     key, value = ("law.eta", law.eta) if law.beta is None else ("law.beta", law.beta)
     cures = []
-    if why.lead is not None:
+    if why.lead_margin >= 1:
         cures.append(f"law.lead = {why.lead}")
+    elif why.lead != gains.lead and why.lead_margin > WORTHWHILE:
+        smaller = _rounded_down(value * why.lead_margin)
+        cures.append(f"law.lead = {why.lead} with {key} = {smaller:g}")
     if why.harmonics:
         cures.append(f"law.harmonics = {why.harmonics}")
     if why.margin > WORTHWHILE:

@@ -356,6 +356,14 @@ def test_the_law_as_printed_is_said_to_diverge_after_the_cycles_of_its_run():
     assert set(prepare(rmj.load("paper")).notes) >= {first, second}
 
 
+def test_where_no_lead_is_enough_a_lead_with_a_smaller_gain_is_said():
+    (first, *_) = said({"law.beta": 15.0})
+    offered = first.split("law.lead = 1 with law.beta = ")[1].split()[0]
+    assert 5 < float(offered) < 15
+    rest = said({"law.lead": 1, "law.beta": float(offered)})
+    assert not [line for line in rest if "motion.0" in line]
+
+
 def test_a_share_of_the_feedback_that_is_too_large_is_said_with_one_that_is_not():
     changes = {"law.eta": 4.0, "motion.0.duration": 4.0}
     (line,) = said(changes, "planar-three-link")

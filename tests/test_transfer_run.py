@@ -68,7 +68,7 @@ def test_springs_are_handed_torque_without_a_jump_of_the_total(cycle):
 
 
 def test_a_joint_that_stands_still_gets_no_stiffness_and_stays_stable():
-    """The task leaves the SCARA's wrist free: its angle fades away, and torque over angle with it."""
+    """The task leaves the SCARA's wrist free: its angle fades away, torque over angle does not."""
     experiment = rmj.load("scara")
     motion = experiment.motion[0].model_dump() | {"duration": 60.0}
     found = rmj.simulate(experiment.replace({"motion": [motion]}))
