@@ -274,7 +274,7 @@ def _check(options: argparse.Namespace) -> int:
     from .simulation import simulate_many
 
     console = _console()
-    with _bar(f"{len(files)} runs", None, console) as show:
+    with _bar(f"{len(files)} experiments", None, console) as show:
         runs = simulate_many(experiments, progress=show)
     judgements = [judge(run) for run in runs]
     for run, found in zip(runs, judgements, strict=True):
@@ -289,7 +289,8 @@ def _check(options: argparse.Namespace) -> int:
         if text := convergence.report(run, found):
             console.print(text, soft_wrap=True)
     missed = sum(not one.passed for found in judgements for one in found)
-    console.print(f"{len(runs)} runs, {sum(map(len, judgements))} expectations, {missed} missed")
+    total = sum(map(len, judgements))
+    console.print(f"{missed or 'none'} of {total} expectations missed, in {len(runs)} runs")
     return NOT_WELL if missed else DONE
 
 

@@ -302,7 +302,7 @@ def test_check_exits_0_or_1_and_prints_what_was_expected_and_found(tmp_path, cap
     out = capsys.readouterr().out
     assert "MISSED" in out
     assert "at least 1.5" in out
-    assert "2 runs, 8 expectations, 2 missed" in out
+    assert "2 of 8 expectations missed, in 2 runs" in out
 
     suites = ElementTree.parse(tmp_path / "j.xml").getroot()
     assert suites.tag == "testsuites"
