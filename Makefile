@@ -17,6 +17,10 @@ test-robots: $(VENV)/installed-dev   ## the law on commercial arms, downloaded; 
 test-sensitivity: $(VENV)/installed-dev   ## that the runs' expectations catch each single change
 	$(BIN)/python -m pytest -m sensitivity
 
+mutation: $(VENV)/installed-dev   ## mutation testing of the mathematics; ten minutes
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev,mutation]"
+	$(BIN)/python benchmarks/mutation.py
+
 check: $(VENV)/installed-dev   ## format, lint, types, import order
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -31,7 +35,7 @@ benchmark: $(VENV)/installed-dev   ## the compiled law beside a bare step and a 
 	$(BIN)/python benchmarks/closed_loop.py
 
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	rm -rf build $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

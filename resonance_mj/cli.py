@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .errors import ExperimentError, ResonanceError
+from .errors import ExperimentError, OutputError, ResonanceError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -319,6 +319,8 @@ def _check(options: argparse.Namespace) -> int:
         from .files import could_be_written
 
         could_be_written(options.junit.parent)
+        if options.junit.is_dir():
+            raise OutputError(f"{options.junit}: is a folder; give --junit the name of a file")
     files = cases.named(options.runs)
     experiments = [cases.read(path, options.changes) for path in files]
     from . import convergence, tables
@@ -326,7 +328,7 @@ def _check(options: argparse.Namespace) -> int:
     from .simulation import simulate_many
 
     console = _console()
-    with _bar(f"{len(files)} runs", None, console) as show:
+    with _bar("experiments", None, console) as show:
         runs = simulate_many(experiments, progress=show)
     judgements = [judge(run) for run in runs]
     for run, found in zip(runs, judgements, strict=True):
@@ -341,7 +343,8 @@ def _check(options: argparse.Namespace) -> int:
         if text := convergence.report(run, found):
             console.print(text, soft_wrap=True)
     missed = sum(not one.passed for found in judgements for one in found)
-    console.print(f"{len(runs)} runs, {sum(map(len, judgements))} expectations, {missed} missed")
+    total = sum(map(len, judgements))
+    console.print(f"{missed or 'none'} of {total} expectations missed in {len(runs)} run(s)")
     return NOT_WELL if missed else DONE
 
 

@@ -87,7 +87,7 @@ class OfMotion(Section):
     """What a motion must show in its last whole cycle."""
 
     status: Status | None = None
-    """How it must end: ok, or diverged."""
+    """How it must end: ok if all its cycles are simulated, or diverged."""
     stiffness: Figure = None
     """k [N m/rad], for slide joints [N/m]."""
     offset: Figure = None

@@ -43,9 +43,7 @@ def could_be_written(folder: str | os.PathLike[str]) -> Path:
 
 
 def _unwritable(folder: Path, reason: str) -> OutputError:
-    return OutputError(
-        f"{folder}: cannot be written: {reason}; give a folder that can, with --out FOLDER"
-    )
+    return OutputError(f"{folder}: cannot be written: {reason}; give a folder that can")
 
 
 @contextmanager

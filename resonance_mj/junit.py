@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 from .check import Judgement
 from .convergence import explain, title
-from .files import replacing
+from .files import replacing, writable
 from .run import Run
 
 
@@ -17,7 +17,7 @@ def write(path: Path, runs: Sequence[Run], judgements: Sequence[list[Judgement]]
     """Write a test suite for each run, with a test case for each judgement.
 
     Raises:
-        OutputError: the file cannot be written.
+        OutputError: the file, or its folder, cannot be written.
     """
     suites = ElementTree.Element("testsuites", name="resonance-mj check")
     for run, found in zip(runs, judgements, strict=True):
@@ -52,6 +52,7 @@ def write(path: Path, runs: Sequence[Run], judgements: Sequence[list[Judgement]]
     for count in ("tests", "failures", "errors"):
         suites.set(count, str(sum(int(suite.get(count, "0")) for suite in suites)))
     ElementTree.indent(suites)
+    writable(path.parent)
     with replacing(path) as beside:
         ElementTree.ElementTree(suites).write(beside, encoding="utf-8", xml_declaration=True)
 

@@ -17,7 +17,7 @@ from .step_functions import step_function
 
 STILL = 1e-8
 """Variance of a joint angle [rad²] up to which the joint stands still: a tenth of a milliradian. It
-needs no stiffness, only an offset; and what a stiffness would be, torque over angle, is arbitrary."""
+needs no stiffness, only an offset: torque over angle is arbitrary there."""
 
 LIMP = 1e-12
 """Stiffness [N m/rad] in place of 0 where a spring without bounds must exert an offset torque."""

@@ -298,13 +298,13 @@ def test_check_exits_0_or_1_and_prints_what_was_expected_and_found(tmp_path, cap
     table = capsys.readouterr().out
     for words in ("mine: none of 5", "stiffness joint2 [N m/rad]", "optimal", "passed"):
         assert words in table
-    assert cli.main(["check", str(fine), str(missed), "--junit", str(tmp_path / "j.xml")]) == 1
+    assert cli.main(["check", str(fine), str(missed), "--junit", str(tmp_path / "new/j.xml")]) == 1
     out = capsys.readouterr().out
     assert "MISSED" in out
     assert "at least 1.5" in out
-    assert "2 runs, 8 expectations, 2 missed" in out
+    assert "2 of 8 expectations missed in 2 run(s)" in out
 
-    suites = ElementTree.parse(tmp_path / "j.xml").getroot()
+    suites = ElementTree.parse(tmp_path / "new" / "j.xml").getroot()
     assert suites.tag == "testsuites"
     assert (suites.get("tests"), suites.get("failures"), suites.get("errors")) == ("8", "2", "0")
     assert [suite.get("tests") for suite in suites] == ["5", "3"]
@@ -418,6 +418,7 @@ def test_bad_expectations_exit_2_in_one_line_that_names_file_key_value_and_remed
         (["mine.toml", "--law.bta", "1"], ["law.bta", "'beta'"]),
         (["mine.toml", "--law.beta", "1", "--update"], ["--law.beta", "--update"]),
         (["mine.toml", "--junit", "mine.toml/x.xml"], ["mine.toml", "not a folder"]),
+        (["mine.toml", "--junit", "empty"], ["empty", "is a folder", "--junit"]),
         (["mine.toml", "--junit"], ["--junit"]),
     ],
 )

@@ -357,6 +357,18 @@ def test_a_joint_that_rests_at_q_s_learns_without_dividing_by_zero():
     np.testing.assert_allclose(found[:, 1], (u - beta * y)[:, 1], rtol=1e-15)
 
 
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 1.0, 1e6])
+def test_coefficients_10_are_those_of_any_swing_however_small(size):
+    """And a joint that stands still at q_s has exactly none, whatever was in memory before."""
+    rng = np.random.default_rng(0)
+    q_bar = size * rng.normal(size=(50, 4))
+    q_bar[:, 2] = 0.0
+    k = np.array([3.0, -2.0, 5.0, 0.25])
+    np.full(4, 7.0)  # NumPy hands out this memory again
+    w = learning.spring_like_part(k * q_bar, q_bar)
+    np.testing.assert_allclose(w, [3.0, -2.0, 0.0, 0.25], rtol=1e-12, atol=0)
+
+
 # Another number of time steps
 
 

@@ -12,7 +12,7 @@ from resonance_mj import equations
 def damped(J, rate, s, drift, usual=0.0, alpha=10.0):
     m, n = J.shape
     y = np.empty(n)
-    equations.error_damped(J, rate, alpha, s, drift, usual, np.empty((m + 1, m + 1)), y)
+    equations.error_damped(J, rate, alpha, s, drift, usual, np.empty((m + 1, m)), y)
     return y
 
 
@@ -28,6 +28,22 @@ def test_away_from_singular_poses_y_is_the_pseudo_inverse_with_the_posture_in_it
     plus = np.linalg.pinv(J)
     expected = plus @ (rate + 10 * s) + (np.eye(n) - plus @ J) @ drift
     np.testing.assert_allclose(damped(J, rate, s, drift), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("lack", [0.1, 0.5, 0.99])
+@pytest.mark.parametrize(("m", "n"), [(1, 1), (2, 2), (3, 3), (2, 5), (6, 7)])
+def test_damping_grows_to_a_tenth_of_the_jacobian_as_manipulability_is_lost(m, n, lack, size):
+    """λ² = 0.01 lack² tr(J Jᵀ)/m with lack = 1 - w/usual, whatever the unit of length is."""
+    rng = np.random.default_rng(m + n)
+    J = size * (rng.normal(size=(m, n)) + 2 * np.eye(m, n))
+    rate, s, drift = rng.normal(size=m), rng.normal(size=m), rng.normal(size=n)
+    w = np.sqrt(np.linalg.det(J @ J.T))
+    squared = 0.01 * lack**2 * np.trace(J @ J.T) / m
+    plus = J.T @ np.linalg.inv(J @ J.T + squared * np.eye(m))
+    expected = plus @ (rate + 10 * s) + (np.eye(n) - plus @ J) @ drift
+    found = damped(J, rate, s, drift, usual=w / (1 - lack))
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-7 * np.abs(expected).max())
 
 
 def test_at_a_singular_pose_y_stays_small_where_the_inverse_would_be_without_bound():
@@ -57,6 +73,26 @@ def test_rotation_and_rotation_vector_are_inverse_to_each_other(seed, angle):
     np.testing.assert_allclose(R, Rotation.from_rotvec(r).as_matrix() @ home, atol=1e-12)
     equations.rotation_vector(R, home, back)
     np.testing.assert_allclose(back, r, atol=1e-7)
+
+
+@pytest.mark.parametrize("angle", [1e-7, 3e-5, 0.99e-4])
+def test_small_rotations_are_exact_in_every_digit(angle):
+    """Of exp(r) about an axis in the x-y plane: each entry beside the diagonal is a single term."""
+    x, y = angle * np.array([0.6, 0.8])
+    R = np.empty((3, 3))
+    equations.rotation(np.array([x, y, 0.0]), np.eye(3), R)
+    sinc, cosc = np.sin(angle) / angle, 2 * (np.sin(angle / 2) / angle) ** 2
+    exact = np.array([cosc * x * y, sinc * y, -sinc * x])
+    np.testing.assert_allclose([R[0, 1], R[0, 2], R[1, 2]], exact, rtol=2e-12)
+    np.testing.assert_allclose(np.diag(R), [1 - cosc * y * y, 1 - cosc * x * x, np.cos(angle)])
+
+
+@pytest.mark.parametrize("angle", [1e-12, 1e-10, 0.9e-9, 1.1e-9, 1e-6])
+def test_smallest_rotation_vectors_are_exact(angle):
+    r, R, back = angle * np.array([0.6, 0.0, 0.8]), np.empty((3, 3)), np.empty(3)
+    equations.rotation(r, np.eye(3), R)
+    equations.rotation_vector(R, np.eye(3), back)
+    np.testing.assert_allclose(back, r, rtol=1e-10, atol=1e-25)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7])

@@ -31,11 +31,14 @@ def transfer(signals, bounds=UNBOUNDED, **options):
 
 
 @pytest.mark.parametrize("bounds", [UNBOUNDED, PHYSICAL])
+@pytest.mark.parametrize("harmonics", [None, 5])
 @pytest.mark.parametrize("seed", range(5))
-def test_motor_and_spring_together_exert_what_they_would_have_without_transfer(seed, bounds):
+def test_motor_and_spring_together_exert_what_they_would_have_without_transfer(
+    seed, harmonics, bounds
+):
     u, y, q, k, offset, center = cycle(seed)
-    found, options = transfer((u, y, q, k, offset, center), bounds)
-    learned = u - learning.corrected(y, options["gain"], 1)
+    found, options = transfer((u, y, q, k, offset, center), bounds, harmonics=harmonics)
+    learned = learning.low_pass(u - learning.corrected(y, options["gain"], 1), harmonics)
     before = learned + springs.torque(k, offset, q, center)
     after = found.u + springs.torque(found.stiffness, found.offset, q, found.center)
     np.testing.assert_allclose(after, before, atol=1e-11)
@@ -71,6 +74,43 @@ def test_bounded_springs_leave_the_least_torque_that_the_bounds_allow():
             push = other * rng.uniform(-math.pi, math.pi)
             tau = total[:, j] - springs.torque(other, push, q[:, j], mean[j])
             assert (tau**2).mean() >= left - 1e-12
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("most", [3.0, math.inf])
+def test_springs_that_meet_their_bounds_leave_the_least_torque_along_them(seed, most):
+    """Against the least torque² for each stiffness of a fine grid, with the best offset for it."""
+    bounds = ((0.5, most), (-0.2, 0.1))
+    u, y, q, k, offset, center = cycle(seed)
+    found, options = transfer((u, y, q, k, offset, center), bounds)
+    mean = q.mean(axis=0)
+    total = u - learning.corrected(y, options["gain"], 1) + springs.torque(k, offset, q, center)
+    met = 0
+    for j in range(len(k)):
+        stiffness = np.linspace(0.5, min(most, 30.0), 2001)
+        push = np.clip(total[:, j].mean(), -0.2 * stiffness, 0.1 * stiffness)
+        z = q[:, j] - mean[j]
+        left = total[:, j, None] + stiffness * z[:, None] - push
+        least = (left**2).mean(axis=0).min()
+        assert (found.u[:, j] ** 2).mean() <= least * (1 + 1e-9)
+        assert bounds[0][0] <= found.stiffness[j] <= most
+        at = found.offset[j] / found.stiffness[j]
+        met += np.isclose(at, (-0.2, 0.1)).any()
+    assert met  # an edge of the cone, where stiffness and offset depend on each other
+
+
+@pytest.mark.parametrize("steps", [240, 241])
+def test_low_pass_of_all_harmonics_is_the_torque_itself_whatever_the_number_of_samples(steps):
+    v = np.random.default_rng(steps).normal(size=(steps, 2))
+    assert learning.low_pass(v, steps // 2) is v
+    for harmonics in (1, 100, steps // 2 - 1):
+        kept = learning.low_pass(v, harmonics)
+        assert kept.shape == v.shape
+        spectrum, given = np.fft.rfft(kept, axis=0), np.fft.rfft(v, axis=0)
+        np.testing.assert_allclose(
+            spectrum[: harmonics + 1], given[: harmonics + 1], rtol=0, atol=1e-11
+        )
+        np.testing.assert_allclose(spectrum[harmonics + 1 :], 0.0, rtol=0, atol=1e-11)
 
 
 def test_low_pass_keeps_the_first_harmonics_in_phase_and_nothing_else():
