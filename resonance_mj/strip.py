@@ -1,0 +1,163 @@
+"""The plots below the scene: torque² per cycle and stiffness over time, with a cursor that moves.
+
+The plots are drawn once, faint and in full; a frame takes what lies before the cursor from one and
+what lies behind it from the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from .look import MEASURED, MUTED, OPTIMAL, Look
+from .run import Run
+
+CURSOR = 2
+"""Width of the cursor [pixels]."""
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Two pictures (height, width, 3) of the same plots, and where time is in them.
+
+    Attributes:
+        before: what has been when the cursor is at the right end.
+        after: the same, faint.
+        panels: of each plot: top, bottom, left and right [pixels].
+        span: times at the left and right ends of each plot [s].
+        ink: colour of the cursor (3,).
+    """
+
+    before: np.ndarray
+    after: np.ndarray
+    panels: tuple[tuple[int, int, int, int], ...]
+    span: tuple[float, float]
+    ink: np.ndarray
+
+    def draw(self, picture: np.ndarray, time: float) -> None:
+        """Draw the strip at a time [s] into `picture` (height, width, 3)."""
+        picture[:] = self.after
+        low, high = self.span
+        for top, bottom, left, right in self.panels:
+            x = left + round((right - left) * min(max((time - low) / (high - low), 0.0), 1.0))
+            picture[top:bottom, left:x] = self.before[top:bottom, left:x]
+            picture[top:bottom, max(x - CURSOR // 2, 0) : x + CURSOR // 2] = self.ink
+
+
+def draw(run: Run, look: Look, width: int) -> Strip:
+    """The strip of a run, `width` pixels wide and as high as the look has it."""
+    height = look.strip_height
+    size = max(7.0, min(height / 18, 15.0))
+    style: Any = {
+        "font.size": size,
+        "axes.titlesize": size,
+        "axes.titlelocation": "left",
+        "axes.titlepad": 0.35 * size,
+        "axes.linewidth": 0.8,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.facecolor": look.paper,
+        "figure.facecolor": look.paper,
+        **dict.fromkeys(
+            ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"),
+            look.ink,
+        ),
+        "xtick.major.pad": 2,
+        "ytick.major.pad": 2,
+        "xtick.major.size": 3,
+        "ytick.major.size": 3,
+    }
+    with matplotlib.rc_context(style):
+        before, panels = _plots(run, look, (width, height), size, 1.0)
+        after, _ = _plots(run, look, (width, height), size, 0.22)
+    end = float(run.data["end"].values[-1])
+    ink = np.array([int(look.ink[i : i + 2], 16) for i in (1, 3, 5)], np.uint8)
+    return Strip(before, after, panels, (0.0, end), ink)
+
+
+def _plots(
+    run: Run, look: Look, pixels: tuple[int, int], size: float, strength: float
+) -> tuple[np.ndarray, tuple[tuple[int, int, int, int], ...]]:
+    width, height = pixels
+    figure = Figure(figsize=(width / 72, height / 72), dpi=72)
+    canvas = FigureCanvasAgg(figure)
+    joints = run.data.sizes["joint"]
+    columns = joints if joints <= 3 else -(-joints // 2)
+    rows = -(-joints // columns)
+    gap, line = 3.6 * size / width, 1.5 * size / height
+    share = 0.4 if columns <= 2 else 0.3
+    right = 1 - 0.8 * size / width
+    axes = [figure.add_axes((gap, 1.9 * line, share - gap - 0.02, 1 - 3.1 * line))]
+    each = (right - share) / columns
+    tall = (1 - 0.9 * line) / rows
+    for j in range(joints):
+        row, column = divmod(j, columns)
+        bottom = 1 - 0.0 * line - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
+        axes.append(
+            figure.add_axes(
+                (share + column * each + gap, bottom, each - gap, tall - 2.15 * line)
+            )
+        )
+    _torque_squared(axes[0], run, strength)
+    for j, ax in enumerate(axes[1:]):
+        _stiffness(ax, run, j, strength)
+        if j < joints - columns:
+            ax.set_xticklabels([])
+    canvas.draw()
+    picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    boxes = [ax.get_window_extent() for ax in axes]
+    panels = tuple(
+        (round(height - b.y1), round(height - b.y0), round(b.x0) + 1, round(b.x1)) for b in boxes
+    )
+    return picture, panels
+
+
+def _torque_squared(ax: Axes, run: Run, strength: float) -> None:
+    data = run.data
+    ends, begin = [], 0.0
+    for motion in run.experiment.motion:
+        ends.append(begin + motion.period * np.arange(1, motion.cycles + 1))
+        begin += motion.duration
+    time = np.concatenate(ends)[: data.sizes["cycle"]]
+    squared = data["torque_squared"].values
+    starts, stops = data["start"].values, data["end"].values
+    ax.hlines(
+        data["torque_squared_without_springs"].values, starts, stops, color=MUTED, linestyle=":"
+    )
+    ax.hlines(data["torque_squared_optimal"].values, starts, stops, color=OPTIMAL, linestyle="--")
+    ax.plot(time, squared, color=MEASURED, linewidth=2, alpha=strength, marker="o", markersize=3)
+    ax.set_yscale("log")
+    ax.set_title("mean motor torque² per cycle [N² m²]")
+    ax.yaxis.set_major_locator(LogLocator(numticks=5))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.yaxis.set_minor_locator(NullLocator())
+    _time_axis(ax, float(stops[-1]))
+    ax.set_xlabel("time [s]", labelpad=0)
+
+
+def _stiffness(ax: Axes, run: Run, j: int, strength: float) -> None:
+    data = run.data.isel(joint=j)
+    keep = slice(None, None, max(1, data.sizes["time"] // 1500))
+    ends = data["end"].values
+    ax.hlines(
+        data["stiffness_optimal"].values, data["start"].values, ends, color=OPTIMAL, linestyle="--"
+    )
+    time, k = data["time"].values[keep], data["stiffness"].values[keep]
+    ax.plot(time, k, color=MEASURED, linewidth=2, alpha=strength)
+    unit = "N/m" if int(data["slides"]) else "N m/rad"
+    few = run.data.sizes["joint"] <= 3
+    ax.set_title(f"k {data['joint'].item()}" + (f" [{unit}]" if few else ""))
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
+    _time_axis(ax, float(ends[-1]))
+
+
+def _time_axis(ax: Axes, end: float) -> None:
+    ax.set_xlim(0, end)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4, integer=end >= 4))
