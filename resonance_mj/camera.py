@@ -8,14 +8,19 @@ import numpy as np
 from .errors import PictureError
 from .look import Look
 
-MARGIN = 1.08
+MARGIN = 1.12
 """How much larger than the motion the picture is."""
 ABOVE = 1.1
 """The same in height alone, where there is a line of text above."""
 
 
 def find(
-    model: mujoco.MjModel, look: Look, points: np.ndarray, axes: np.ndarray, aspect: float
+    model: mujoco.MjModel,
+    look: Look,
+    points: np.ndarray,
+    motion: np.ndarray,
+    axes: np.ndarray,
+    aspect: float,
 ) -> mujoco.MjvCamera:
     """The camera that a look asks for.
 
@@ -23,6 +28,7 @@ def find(
         model: the model.
         look: the camera's name, or where a free one stands.
         points: what must be in the picture (P, 3) [m].
+        motion: where the tool is in some poses (T, 3) [m].
         axes: directions of the joints' axes (n, 3).
         aspect: width of the picture by its height.
 
@@ -42,7 +48,7 @@ def find(
         camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         camera.fixedcamid = names.index(look.camera)
         return camera
-    camera.azimuth, camera.elevation = view[:2] if view else _direction(points, axes)
+    camera.azimuth, camera.elevation = view[:2] if view else _direction(points, motion, axes)
     right, up, forward = directions(camera.azimuth, camera.elevation)
     seen = points @ np.stack([right, up, forward], axis=1)
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -66,7 +72,7 @@ def directions(azimuth: float, elevation: float) -> tuple[np.ndarray, np.ndarray
     return right, np.cross(right, forward), forward
 
 
-def _direction(points: np.ndarray, axes: np.ndarray) -> tuple[float, float]:
+def _direction(points: np.ndarray, motion: np.ndarray, axes: np.ndarray) -> tuple[float, float]:
     """Azimuth and elevation [degrees]: along a planar arm's axes, else where most is seen."""
     planar = bool((np.abs(axes @ axes[0]) > 0.999).all())
     if planar and abs(axes[0][2]) < 0.5:
@@ -74,9 +80,16 @@ def _direction(points: np.ndarray, axes: np.ndarray) -> tuple[float, float]:
         return float(np.degrees(np.arctan2(along[1], along[0]))) + 12.0, -10.0
     elevation = -24.0
 
-    def area(azimuth: float) -> float:
-        right, up, _ = directions(azimuth, elevation)
-        return float(np.linalg.det(np.cov((points @ np.stack([right, up], axis=1)).T)))
+    def seen(azimuth: float) -> float:
+        """How large the arm's spread and the tool's motion look."""
+        across = np.stack(directions(azimuth, elevation)[:2], axis=1)
+        arm, tool = (_spread(some @ across) for some in (points, motion))
+        return float(np.prod(arm) * np.sqrt(tool.sum()))
 
     # From behind the same is seen: the side with the x axis to the right is taken.
-    return float(max(np.arange(15.0, 180.0, 15.0), key=area)), elevation
+    return float(max(np.arange(15.0, 180.0, 15.0), key=seen)), elevation
+
+
+def _spread(points: np.ndarray) -> np.ndarray:
+    """How far points of the picture (P, 2) are spread in their two principal directions."""
+    return np.linalg.svd(points - points.mean(axis=0), compute_uv=False)

@@ -41,7 +41,7 @@ def check(path: Path, transparent: bool) -> None:
 @contextmanager
 def encoder(
     path: Path, size: tuple[int, int], fps: float, channels: int
-) -> Iterator[Callable[[memoryview], None]]:
+) -> Iterator[Callable[[memoryview], object]]:
     """A function that takes the next frame's pixels; the file is there when the block succeeds.
 
     Args:

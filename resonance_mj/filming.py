@@ -66,12 +66,12 @@ def main() -> None:
         _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")
         return
     _say(output, READY)
-    picture = np.empty((job.look.size[1], job.look.size[0], 3), np.uint8)
+    picture = np.full((job.look.size[1], job.look.size[0], job.look.channels), 128, np.uint8)
     try:
         for frame in job.frames:
             for scene, (left, right) in zip(scenes, columns, strict=True):
                 scene.draw(picture[:, left:right], frame)
-            _write(output, memoryview(picture).cast("B"))
+            _write(output, picture.data.cast("B"))
     except BrokenPipeError:
         return
 

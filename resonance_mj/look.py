@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from .errors import PictureError
 
+GAP = 4
+"""Columns between runs side by side [pixels]."""
 BACKGROUNDS = ("sky", "white", "dark", "transparent")
 
 # Okabe and Ito's palette, as in the figures; motor torque and trail have a colour each.
 MEASURED, OPTIMAL, MUTED = "#0072B2", "#D55E00", "#7F7F7F"
 TOOL, MOTOR = "#0072B2", "#AA3377"
-SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE = "#E69F00", "#D9D9D9", "#009E73"
+SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE = "#E69F00", "#C4C4C4", "#009E73"
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,7 @@ class Look:
         motors: draw the motors' torque.
         strip: draw torque² and stiffness below the scene.
         head_up: write time, cycle, reduction and tracking error above it.
+        legend: say at its foot what the overlays mean.
 
     Raises:
         PictureError: a value is not valid.
@@ -45,6 +48,7 @@ class Look:
     motors: bool = True
     strip: bool = True
     head_up: bool = True
+    legend: bool = True
 
     def __post_init__(self) -> None:
         if self.background not in BACKGROUNDS:
@@ -57,6 +61,11 @@ class Look:
             )
         if self.follow and self.camera is not None and self.view is None:
             raise PictureError(f"camera {self.camera!r} of the model cannot follow the tool")
+
+    @property
+    def channels(self) -> int:
+        """Of a picture: 3 for RGB, 4 with alpha."""
+        return 4 if self.background == "transparent" else 3
 
     @property
     def dark(self) -> bool:
@@ -93,9 +102,9 @@ class Look:
         return round(0.27 * self.size[1]) // 2 * 2 if self.strip else 0
 
     def columns(self, runs: int) -> list[tuple[int, int]]:
-        """First and last column, exclusive, of each run's part of the picture."""
-        width = self.size[0]
-        return [(i * width // runs, (i + 1) * width // runs) for i in range(runs)]
+        """First and last column, exclusive, of each run's part; there is a gap between them."""
+        width = self.size[0] + GAP
+        return [(i * width // runs, (i + 1) * width // runs - GAP) for i in range(runs)]
 
 
 def rgb(colour: str) -> tuple[float, float, float]:

@@ -38,9 +38,7 @@ def scale(shots: list[Shot]) -> Scale:
     """Each joint's greatest stiffness and torques in the shots; a rare peak does not count."""
     return Scale(
         *(
-            np.maximum.reduce(
-                [np.quantile(np.abs(getattr(s, name)), 0.98, axis=0) for s in shots]
-            )
+            np.maximum.reduce([np.quantile(np.abs(getattr(s, name)), 0.98, axis=0) for s in shots])
             + 1e-9
             for name in Scale._fields
         )
@@ -88,7 +86,7 @@ class Overlays:
         look: which overlays there are.
         scales: what full thickness, colour and length stand for.
         site: id of the tool's site.
-        eye: direction towards the camera (3,).
+        eye: where the camera is at the first frame (3,) [m].
     """
 
     def __init__(
@@ -114,17 +112,17 @@ class Overlays:
         self._joints = [
             _place(model, data, i, anchors[k + 1], self.size, eye) for k, i in enumerate(ids)
         ]
-        self._path_cycle = -1
+        self._path, self._path_cycle = np.empty(0), -1
         self._dt = float(np.diff(shot.time).min())
         self._skins = {model.skin(s).name: s for s in range(model.nskin)}
 
-    def update(self, data: mujoco.MjData, frame: int) -> None:
-        """Bring the overlays to a frame; `data` is in its pose."""
+    def update(self, data: mujoco.MjData, frame: int, eye: np.ndarray) -> None:
+        """Bring the overlays to a frame; `data` is in its pose, and the camera at `eye` (3,)."""
         sample = int(self._shot.sample[frame])
         if self._look.path:
-            self._update_path(sample)
+            self._update_path(sample, eye)
         if self._look.trail:
-            self._update_trail(sample)
+            self._update_trail(sample, eye)
         for j, joint in enumerate(self._joints):
             axis, anchor = data.xaxis[joint.id], data.xanchor[joint.id]
             link = data.xmat[joint.body].reshape(3, 3) @ joint.link
@@ -156,15 +154,21 @@ class Overlays:
             points[-1] = points[0]
         return points
 
-    def _update_path(self, sample: int) -> None:
-        if self._shot.cycle[sample] == self._path_cycle:
-            return
-        self._path_cycle = int(self._shot.cycle[sample])
-        points = self.desired(sample)
+    def _before_all(self, points: np.ndarray, eye: np.ndarray) -> np.ndarray:
+        """The same points of the picture, but nearer to the camera than the arm that hides them."""
+        sight = eye - points
+        distance = np.linalg.norm(sight, axis=1, keepdims=True)
+        return points + np.minimum(1.5 * self.size / distance, 0.5) * sight
+
+    def _update_path(self, sample: int, eye: np.ndarray) -> None:
+        if self._shot.cycle[sample] != self._path_cycle:
+            self._path_cycle = int(self._shot.cycle[sample])
+            self._path = self.desired(sample)
+        points = self._before_all(self._path, eye)
         radius = tubes.dashed(0.035 * self.size, PATH_RINGS, dash=3)
         self._set("path", tubes.tube(points, radius, _normal(points)), colour(self._look.ink))
 
-    def _update_trail(self, sample: int) -> None:
+    def _update_trail(self, sample: int, eye: np.ndarray) -> None:
         long = int(TRAIL * self._shot.period[sample])
         step = max(1, long // TRAIL_RINGS)
         # On a grid, so that the next frame's trail is made of the same poses.
@@ -175,6 +179,7 @@ class Overlays:
         gaps = np.flatnonzero(np.diff(time[max(0, sample - long) : sample + 1]) > 2 * self._dt)
         since = max(0, sample - long) + (gaps[-1] + 1 if len(gaps) else 0)
         points = np.array([self.tool(i) for i in np.maximum(index, since)])
+        points = self._before_all(points, eye)
         radius = np.linspace(0.0, 0.075 * self.size, TRAIL_RINGS)
         self._set("trail", tubes.tube(points, radius, _normal(points)), colour(TOOL))
 
@@ -188,7 +193,7 @@ class Overlays:
             self._hide(f"spring {j}")
             self._hide(f"equilibrium {j}")
             return
-        thick = 0.11 * self.size * np.sqrt(share)
+        thick = 0.09 * self.size * np.sqrt(share)
         profile = tubes.rounded if k > 0 else tubes.dashed
         radius = profile(float(thick), SPRING_RINGS)
         shade = _shade(self._shot.spring[s, j] / self._scale.spring[j])
@@ -198,8 +203,10 @@ class Overlays:
             end = np.clip(to_equilibrium, -4 * self.size, 4 * self.size)
             around = tubes.turned(link, axis, 2 * np.pi * 6 * part)
             points = beside + 0.35 * self.size * around + (end * part)[:, None] * axis
-            mark = beside + end * axis + np.linspace(-0.6, 0.6, TICK_RINGS)[:, None] * (
-                self.size * np.cross(axis, link)
+            mark = (
+                beside
+                + end * axis
+                + np.linspace(-0.6, 0.6, TICK_RINGS)[:, None] * (self.size * np.cross(axis, link))
             )
             near = abs(to_equilibrium) <= 4 * self.size
         else:
@@ -250,7 +257,12 @@ class Overlays:
 
 
 def _place(
-    model: mujoco.MjModel, data: mujoco.MjData, i: int, after: np.ndarray, size: float, eye: np.ndarray
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    i: int,
+    after: np.ndarray,
+    size: float,
+    eye: np.ndarray,
 ) -> Joint:
     """Put a spring before its joint where the joint's end is seen, else around the joint."""
     axis, anchor = data.xaxis[i], data.xanchor[i]
@@ -258,7 +270,7 @@ def _place(
     link = after - anchor - ((after - anchor) @ axis) * axis
     length = float(np.linalg.norm(link))
     link = link / length if length > 0.2 * size else tubes.perpendicular(axis)
-    side = 1.0 if axis @ eye >= 0 else -1.0
+    side = 1.0 if axis @ (eye - anchor) >= 0 else -1.0
     far = 2.0 * size
     high = far - _ray(model, data, anchor + side * far * axis, -side * axis, 2 * far)
     lift = side * (max(high, 0.0) + 0.15 * size) if high < 0.8 * far else 0.0
@@ -288,4 +300,3 @@ def _shade(share: float) -> np.ndarray:
     end = colour(SPRING_POSITIVE if share > 0 else SPRING_NEGATIVE)
     part = np.float32(min(abs(share), 1.0))
     return (1 - part) * colour(SPRING_ZERO) + part * end
-

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from . import camera, overlays, stage
-from .head_up import HeadUp
+from .captions import HeadUp, Legend
 from .look import Look
 from .overlays import Overlays, Scale
 from .shot import Shot
@@ -42,38 +42,61 @@ class Scene:
         self._data = mujoco.MjData(self.model)
         ids = [self.model.joint(name).id for name in shot.joints]
         self._address = self.model.jnt_qposadr[ids]
-        points = self._points(ids)
+        points, motion = self._points(ids)
         self._pose(int(shot.sample[0]))
         self._camera = camera.find(
-            self.model, look, points, self._data.xaxis[ids].copy(), width / height
+            self.model, look, points, motion, self._data.xaxis[ids].copy(), width / height
         )
-        eye = -camera.directions(self._camera.azimuth, self._camera.elevation)[2]
-        if self._camera.type == mujoco.mjtCamera.mjCAMERA_FIXED:
-            eye = self._data.cam_xmat[self._camera.fixedcamid].reshape(3, 3)[:, 2].copy()
-        self._overlays = Overlays(self.model, self._data, shot, look, scales, self._site, eye)
+        self._overlays = Overlays(
+            self.model, self._data, shot, look, scales, self._site, self._eye()
+        )
         self._head_up = HeadUp(shot, look, width) if look.head_up else None
+        self._legend = Legend(look, width)
         self._renderer = mujoco.Renderer(self.model, height, width)
         self._pixels = np.empty((height, width, 3), np.uint8)
 
     def draw(self, picture: np.ndarray, frame: int) -> None:
-        """Draw a frame into `picture` (height, width, 3)."""
+        """Draw a frame into `picture` (height, width, 3), or 4 with alpha."""
         data, height = self._data, len(self._pixels)
         sample = int(self._shot.sample[frame])
         self._pose(sample)
-        self._overlays.update(data, frame)
         if self._look.follow:
             self._camera.lookat[:] = data.site_xpos[self._site]
+        self._overlays.update(data, frame, self._eye())
         self._renderer.update_scene(data, self._camera)
+        drawn = self._renderer.scene
+        for geom in drawn.geoms[: drawn.ngeom]:
+            if geom.type == mujoco.mjtGeom.mjGEOM_SKIN:
+                # Decoration casts no shadow.
+                geom.category = int(mujoco.mjtCatBit.mjCAT_DECOR)
         self._renderer.render(out=self._pixels)
-        picture[:height] = self._pixels
+        scene, below = picture[:height], picture[height:]
+        scene[..., :3] = self._pixels
+        if picture.shape[2] == 4:
+            below[..., 3], scene[..., 3] = 255, self._opaque()
+        self._legend.draw(scene)
         if self._head_up:
-            self._head_up.draw(picture, frame)
+            self._head_up.draw(scene, frame)
         if self._strip:
-            self._strip.draw(picture[height:], float(self._shot.time[sample]))
+            self._strip.draw(below, float(self._shot.time[sample]))
 
     def close(self) -> None:
         """Give the graphics memory back."""
         self._renderer.close()
+
+    def _opaque(self) -> np.ndarray:
+        """255 where the scene just drawn shows something, else 0 (height, width)."""
+        self._renderer.enable_segmentation_rendering()
+        shown = self._renderer.render()[..., 0] >= 0
+        self._renderer.disable_segmentation_rendering()
+        return np.where(shown, 255, 0).astype(np.uint8)
+
+    def _eye(self) -> np.ndarray:
+        """Where the camera is (3,) [m]."""
+        if self._camera.type == mujoco.mjtCamera.mjCAMERA_FIXED:
+            return self._data.cam_xpos[self._camera.fixedcamid]
+        forward = camera.directions(self._camera.azimuth, self._camera.elevation)[2]
+        return self._camera.lookat - self._camera.distance * forward
 
     def _pose(self, sample: int) -> None:
         self._data.qpos[self._address] = self._shot.q[sample]
@@ -81,13 +104,14 @@ class Scene:
         mujoco.mj_comPos(self.model, self._data)
         mujoco.mj_camlight(self.model, self._data)
 
-    def _points(self, ids: list[int]) -> np.ndarray:
-        """What must be in the picture (P, 3) [m]: joints and tool in some poses."""
-        found = []
+    def _points(self, ids: list[int]) -> tuple[np.ndarray, np.ndarray]:
+        """What must be in the picture (P, 3), and where the tool is in some poses (T, 3) [m]."""
+        joints, tool = [], []
         for sample in self._shot.sample[:: max(1, len(self._shot.sample) // POSES)]:
             self._pose(int(sample))
-            found += [self._data.xanchor[ids], self._data.site_xpos[[self._site]]]
-        points = np.concatenate(found)
+            joints.append(self._data.xanchor[ids])
+            tool.append(self._data.site_xpos[self._site].copy())
+        points = np.concatenate([*joints, tool])
         # Links and springs are wider than the line through the joints.
         wide = 0.08 * np.ptp(points, axis=0).max() * np.vstack([np.eye(3), -np.eye(3)])
-        return (points[:, None] + wide).reshape(-1, 3)
+        return (points[:, None] + wide).reshape(-1, 3), np.array(tool)

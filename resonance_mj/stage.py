@@ -50,7 +50,7 @@ def prepare(
         _add_floor(spec, lowest(model, shot))
     _set_sky(spec, look.background)
     # Overlays glow a little: their colours mean something, in the shadow as well.
-    spec.add_material(name=f"{PREFIX}overlay", emission=0.45, specular=0.15)
+    spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
     for name, rings in overlays.items():
         _add_tube(spec, PREFIX + name, rings)
     # A buffer is made larger where the picture needs it, and never smaller.

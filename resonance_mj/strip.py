@@ -42,7 +42,8 @@ class Strip:
     ink: np.ndarray
 
     def draw(self, picture: np.ndarray, time: float) -> None:
-        """Draw the strip at a time [s] into `picture` (height, width, 3)."""
+        """Draw the strip at a time [s] into `picture` (height, width, 3 or 4)."""
+        picture = picture[..., :3]
         picture[:] = self.after
         low, high = self.span
         for top, bottom, left, right in self.panels:
@@ -54,7 +55,7 @@ class Strip:
 def draw(run: Run, look: Look, width: int) -> Strip:
     """The strip of a run, `width` pixels wide and as high as the look has it."""
     height = look.strip_height
-    size = max(7.0, min(height / 18, 15.0))
+    size = max(6.0, min(height / 18, width / 68, 15.0))
     style: Any = {
         "font.size": size,
         "axes.titlesize": size,
@@ -101,11 +102,9 @@ def _plots(
         row, column = divmod(j, columns)
         bottom = 1 - 0.0 * line - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
         axes.append(
-            figure.add_axes(
-                (share + column * each + gap, bottom, each - gap, tall - 2.15 * line)
-            )
+            figure.add_axes((share + column * each + gap, bottom, each - gap, tall - 2.15 * line))
         )
-    _torque_squared(axes[0], run, strength)
+    _torque_squared(axes[0], run, strength, roomy=(share - gap) * width > 26 * size)
     for j, ax in enumerate(axes[1:]):
         _stiffness(ax, run, j, strength)
         if j < joints - columns:
@@ -119,7 +118,7 @@ def _plots(
     return picture, panels
 
 
-def _torque_squared(ax: Axes, run: Run, strength: float) -> None:
+def _torque_squared(ax: Axes, run: Run, strength: float, roomy: bool) -> None:
     data = run.data
     ends, begin = [], 0.0
     for motion in run.experiment.motion:
@@ -134,7 +133,9 @@ def _torque_squared(ax: Axes, run: Run, strength: float) -> None:
     ax.hlines(data["torque_squared_optimal"].values, starts, stops, color=OPTIMAL, linestyle="--")
     ax.plot(time, squared, color=MEASURED, linewidth=2, alpha=strength, marker="o", markersize=3)
     ax.set_yscale("log")
-    ax.set_title("mean motor torque² per cycle [N² m²]")
+    ax.set_title("motor torque² [N² m²]")
+    if roomy:
+        _beside_title(ax, {"optimum": OPTIMAL, "no springs": MUTED})
     ax.yaxis.set_major_locator(LogLocator(numticks=5))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_minor_locator(NullLocator())
@@ -155,7 +156,35 @@ def _stiffness(ax: Axes, run: Run, j: int, strength: float) -> None:
     few = run.data.sizes["joint"] <= 3
     ax.set_title(f"k {data['joint'].item()}" + (f" [{unit}]" if few else ""))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
+    _ordinate(ax, run, j)
     _time_axis(ax, float(ends[-1]))
+
+
+def _ordinate(ax: Axes, run: Run, j: int) -> None:
+    """Limits from the bulk of the values; next to nothing is not blown up."""
+    alike = run.data["slides"].values == run.data["slides"].values[j]
+    stiffness, best = run.data["stiffness"].values, run.data["stiffness_optimal"].values
+    low, high = np.quantile(stiffness[:, j], [0.005, 0.995])
+    low, high = min(low, best[:, j].min(), 0.0), max(high, best[:, j].max(), 0.0)
+    least = 0.01 * max(np.quantile(np.abs(stiffness[:, alike]), 0.98), np.abs(best[:, alike]).max())
+    high = max(high, low + least, low + 1e-9)
+    margin = 0.08 * (high - low)
+    ax.set_ylim(low - margin, high + margin)
+
+
+def _beside_title(ax: Axes, entries: dict[str, str]) -> None:
+    """What the lines are, in their colours, at the right of the title."""
+    for index, (text, colour) in enumerate(reversed(entries.items())):
+        ax.annotate(
+            ("- - " if colour == OPTIMAL else "··· ") + text,
+            (1.0, 1.0),
+            xytext=(-8.2 * index, 0.35),
+            xycoords="axes fraction",
+            textcoords="offset fontsize",
+            ha="right",
+            va="bottom",
+            color=colour,
+        )
 
 
 def _time_axis(ax: Axes, end: float) -> None:

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from . import encoding, gl, overlays, strip
 from . import shot as shots
-from .errors import PictureError, ResonanceError
-from .filming import READY, WRONG, Job
+from .errors import PictureError
 from .files import could_be_written
+from .filming import READY, WRONG, Job
 from .look import Look
 from .run import Run
 
@@ -71,7 +71,9 @@ def render(
     could_be_written(path.parent)
     if path.suffix.lower() == ".mp4" and (look.size[0] % 2 or look.size[1] % 2):
         even = (look.size[0] + look.size[0] % 2, look.size[1] + look.size[1] % 2)
-        note(f"size {look.size[0]}x{look.size[1]} is drawn as {even[0]}x{even[1]}: H.264 needs even")
+        note(
+            f"size {look.size[0]}x{look.size[1]} is drawn as {even[0]}x{even[1]}: H.264 needs even"
+        )
         look = replace(look, size=even)
     spans = [shots.span(one, start, stop) for one in runs]
     low, high = max(low for low, _ in spans), min(high for _, high in spans)
@@ -90,12 +92,11 @@ def render(
         scales=tuple(overlays.scale(list(taken) if alike else [one]) for one in taken),
         frames=range(len(times)),
     )
-    channels = 4 if look.background == "transparent" else 3
-    pixels = bytearray(channels * look.size[0] * look.size[1])
+    pixels = bytearray(look.channels * look.size[0] * look.size[1])
     count = min(workers or len(os.sched_getaffinity(0)), len(times))
     with (
         _crew(job, count) as crew,
-        encoding.encoder(path, look.size, fps, channels) as encode,
+        encoding.encoder(path, look.size, fps, look.channels) as encode,
     ):
         for frame in job.frames:
             _read(crew[frame % count], memoryview(pixels))
@@ -110,7 +111,9 @@ def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
     """Processes that draw every `count`-th frame each, with the first OpenGL that works."""
     tried: dict[str, str] = {}
     for backend in gl.backends():
-        crew = [_start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)]
+        crew = [
+            _start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)
+        ]
         try:
             answers = [_line(process) for process in crew]
             if all(answer == READY for answer in answers):
@@ -164,6 +167,3 @@ def _read(process: subprocess.Popen[bytes], pixels: memoryview) -> None:
         if not got:
             raise PictureError(f"a process that draws ended with status {process.wait()}")
         done += got
-
-
-__all__ = ["Look", "ResonanceError", "render"]
