@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
@@ -19,6 +19,9 @@ from .look import (
     rgb,
 )
 from .shot import Shot
+
+# Matplotlib brings the fonts of the plots; it need not be imported for them.
+_FONTS = Path(str(find_spec("matplotlib").origin)).parent / "mpl-data" / "fonts" / "ttf"  # type: ignore[union-attr]
 
 
 class HeadUp:
@@ -130,7 +133,7 @@ def _signed(text: str) -> str:
 @cache
 def _font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
-    return ImageFont.truetype(str(Path(matplotlib.get_data_path(), "fonts", "ttf", name)), size)
+    return ImageFont.truetype(str(_FONTS / name), size)
 
 
 def _width(size: int, text: str) -> float:

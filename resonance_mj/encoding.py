@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import OutputError, PictureError
@@ -80,8 +80,10 @@ def encoder(
         finally:
             process.kill()
             process.wait()
+            with suppress(BrokenPipeError):
+                process.stdin.close()
         if status:
             errors.seek(0)
             said = errors.read().decode(errors="replace").strip().splitlines()
-            reason = said[-1] if said else f"ffmpeg ended with status {status}"
+            reason = said[0].rpartition("] ")[2] if said else f"ffmpeg ended with status {status}"
             raise OutputError(f"{path}: cannot be written: {reason}")

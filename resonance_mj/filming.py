@@ -16,8 +16,7 @@ import numpy as np
 
 from .errors import ResonanceError
 from .look import Look
-from .overlays import Scale
-from .shot import Shot
+from .shot import Scale, Shot
 from .strip import Strip
 
 READY, WRONG, NO_OPENGL = "ready", "wrong", "no OpenGL"

@@ -1,4 +1,4 @@
-"""Which OpenGL pictures are drawn with where there may be no display, and what to install for it."""
+"""The OpenGL that pictures are drawn with where there is no display, and what to install."""
 
 from __future__ import annotations
 

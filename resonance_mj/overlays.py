@@ -5,6 +5,7 @@ Each is a tube, which is a skin of the model: its vertices and colour are rewrit
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import mujoco
@@ -12,7 +13,7 @@ import numpy as np
 
 from . import tubes
 from .look import MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO, TOOL, Look
-from .shot import Shot
+from .shot import Scale, Shot
 from .stage import PREFIX, colour
 
 PATH_RINGS, TRAIL_RINGS, SPRING_RINGS, TICK_RINGS, MOTOR_RINGS = 97, 49, 120, 4, 40
@@ -24,25 +25,6 @@ SWEEP = 1.5 * np.pi
 """Angle of the arc of a motor's greatest torque [rad]."""
 WEAK = 0.02
 """Share of a spring's greatest stiffness, or a motor's torque, below which nothing is drawn."""
-
-
-class Scale(NamedTuple):
-    """What full thickness, colour and length stand for, joint by joint (n,)."""
-
-    stiffness: np.ndarray
-    spring: np.ndarray
-    tau: np.ndarray
-
-
-def scale(shots: list[Shot]) -> Scale:
-    """Each joint's greatest stiffness and torques in the shots; a rare peak does not count."""
-    return Scale(
-        *(
-            np.maximum.reduce([np.quantile(np.abs(getattr(s, name)), 0.98, axis=0) for s in shots])
-            + 1e-9
-            for name in Scale._fields
-        )
-    )
 
 
 def rings(shot: Shot, look: Look) -> dict[str, int]:
@@ -107,7 +89,7 @@ class Overlays:
         self._address = model.jnt_qposadr[ids]
         self._tool: dict[int, np.ndarray] = {}
         anchors = [data.xanchor[i] for i in ids] + [data.site_xpos[site]]
-        reach = sum(np.linalg.norm(b - a) for a, b in zip(anchors, anchors[1:], strict=False))
+        reach = sum(np.linalg.norm(b - a) for a, b in pairwise(anchors))
         self.size = 0.2 * float(reach) / np.sqrt(len(ids))
         self._joints = [
             _place(model, data, i, anchors[k + 1], self.size, eye) for k, i in enumerate(ids)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .errors import PictureError
 from .experiment import Robot
-from .run import Run
+
+if TYPE_CHECKING:
+    from .run import Run
 
 SLACK = 1e-6
 """Share of a sample's distance by which a time may miss the ends of a span."""
@@ -60,6 +64,28 @@ class Shot:
     tau: np.ndarray
     reduction: np.ndarray
     best: np.ndarray
+
+
+class Scale(NamedTuple):
+    """What full thickness, colour and length of the overlays stand for, joint by joint (n,)."""
+
+    stiffness: np.ndarray
+    """[N m/rad]"""
+    spring: np.ndarray
+    """[N m]"""
+    tau: np.ndarray
+    """[N m]"""
+
+
+def scale(taken: Sequence[Shot]) -> Scale:
+    """Each joint's greatest stiffness and torques in shots; a rare peak does not count."""
+    return Scale(
+        *(
+            np.max([np.quantile(np.abs(getattr(s, name)), 0.98, axis=0) for s in taken], axis=0)
+            + 1e-9
+            for name in Scale._fields
+        )
+    )
 
 
 def span(run: Run, start: float | str | None, stop: float | str | None) -> tuple[float, float]:

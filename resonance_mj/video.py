@@ -7,11 +7,11 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from . import encoding, gl, overlays, strip
+from . import encoding, gl, plots
 from . import shot as shots
 from .errors import PictureError
 from .files import could_be_written
@@ -85,15 +85,15 @@ def render(
     job = Job(
         shots=taken,
         strips=tuple(
-            strip.draw(one, look, right - left) if look.strip else None
+            plots.draw(one, look, right - left) if look.strip else None
             for one, (left, right) in zip(runs, columns, strict=True)
         ),
         look=look,
-        scales=tuple(overlays.scale(list(taken) if alike else [one]) for one in taken),
+        scales=tuple(shots.scale(list(taken) if alike else [one]) for one in taken),
         frames=range(len(times)),
     )
     pixels = bytearray(look.channels * look.size[0] * look.size[1])
-    count = min(workers or len(os.sched_getaffinity(0)), len(times))
+    count = min(workers or _cores(), len(times))
     with (
         _crew(job, count) as crew,
         encoding.encoder(path, look.size, fps, look.channels) as encode,
@@ -104,6 +104,13 @@ def render(
             if progress:
                 progress(frame + 1, len(times))
     return path
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @contextmanager
@@ -127,8 +134,16 @@ def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
         finally:
             for process in crew:
                 process.kill()
-                process.communicate()
+                _close(process)
     raise PictureError(gl.missing(tried))
+
+
+def _close(process: subprocess.Popen[bytes]) -> None:
+    for pipe in (process.stdin, process.stdout):
+        # What was not sent to a process that has ended is not missed.
+        with suppress(BrokenPipeError):
+            pipe.close()  # type: ignore[union-attr]
+    process.wait()
 
 
 def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
@@ -145,11 +160,10 @@ def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]
         env=environment,
     )
     assert process.stdin is not None
-    try:
+    # A process that has ended already says why.
+    with suppress(BrokenPipeError):
         pickle.dump(job, process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
         process.stdin.flush()
-    except BrokenPipeError:
-        pass
     return process
 
 
