@@ -69,6 +69,7 @@ def video(run, cores):
 
 
 def main():
+    """Measure in turn and print medians."""
     run = rmj.Run.load(sys.argv[1] if len(sys.argv) > 1 else "runs/paper")
     all_cores = sorted(os.sched_getaffinity(0))
     sets = [set(all_cores[:1]), set(all_cores[:2])][: min(2, len(all_cores))]

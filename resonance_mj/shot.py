@@ -225,7 +225,7 @@ def _kept(run: Run, wanted: np.ndarray) -> np.ndarray:
     """At which of some times the run has a sample."""
     time, dt = run.data["time"].values, run.experiment.simulation.timestep
     at = np.searchsorted(time, wanted + SLACK * dt, side="right") - 1
-    return (at >= 0) & (wanted - time[at] < 1.5 * dt)
+    return (at >= 0) & (wanted - time[at] < (1 - SLACK) * dt)
 
 
 def _listed(cycles: np.ndarray) -> str:

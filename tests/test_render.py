@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -33,16 +34,21 @@ def folder(run, tmp_path_factory):
     return run.save(tmp_path_factory.mktemp("runs") / "short")
 
 
-def filmed(run, path, start=1.0, stop=1.2, fps=10.0, size=SMALL, **look):
+def filmed(run, name, start=1.0, stop=1.2, fps=10.0, size=SMALL, **look):
     """The frames (F, height, width, 3) of a video, read back from its file."""
-    rmj.render(run, path, start, stop, fps, look=rmj.Look(size=size, **look), workers=1)
-    return decoded(path)
+    rmj.render(run, name, start, stop, fps, look=rmj.Look(size=size, **look), workers=1)
+    return decoded(name)
 
 
 def decoded(path):
-    frames = imageio_ffmpeg.read_frames(str(path))
-    width, height = next(frames)["size"]
-    return np.array([np.frombuffer(f, np.uint8).reshape(height, width, 3) for f in frames], int)
+    ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "info", "-i", str(path)]
+    done = subprocess.run(
+        [*ffmpeg, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"], capture_output=True, timeout=60
+    )
+    about = done.stderr.decode()
+    assert "yuv420p" in about
+    width, height = map(int, re.search(r", (\d{3,4})x(\d{3,4})", about).groups())
+    return np.frombuffer(done.stdout, np.uint8).reshape(-1, height, width, 3).astype(int)
 
 
 def command(*arguments, **options):
@@ -57,7 +63,6 @@ def test_a_video_has_a_frame_each_step_of_its_span_and_is_h264_that_browsers_pla
     assert b"avc1" in data
     # The index comes first: playing begins before all is loaded.
     assert data.index(b"moov") < data.index(b"mdat")
-    assert next(imageio_ffmpeg.read_frames(tmp_path / "out.mp4"))["pix_fmt"].startswith("yuv420p")
 
 
 def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
@@ -215,7 +220,7 @@ def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
         (["-o", "motion.mp4", "--background", "pink"], "sky, white, dark, transparent"),
         (["-o", "motion.mp4", "--size", "big"], "as in 1280x720"),
         (["-o", "motion.mp4", "--fps", "0"], "fps = 0"),
-        (["-o", "missing/\0/motion.mp4"[:0] + "/proc/motion.mp4"], "cannot be written"),
+        (["-o", "/proc/motion.mp4"], "cannot be written"),
     ],
 )
 def test_bad_options_are_one_line_and_nothing_is_written(folder, tmp_path, options, words):
