@@ -43,6 +43,12 @@ def rings(shot: Shot, look: Look) -> dict[str, int]:
     return found
 
 
+def size(anchors: np.ndarray) -> float:
+    """Size of springs and arcs [m], from where the joints and the tool are (n + 1, 3) [m]."""
+    reach = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(anchors))
+    return 0.2 * reach / np.sqrt(len(anchors) - 1)
+
+
 class Joint(NamedTuple):
     """Where a joint's spring is drawn."""
 
@@ -89,8 +95,7 @@ class Overlays:
         self._address = model.jnt_qposadr[ids]
         self._tool: dict[int, np.ndarray] = {}
         anchors = [data.xanchor[i] for i in ids] + [data.site_xpos[site]]
-        reach = sum(np.linalg.norm(b - a) for a, b in pairwise(anchors))
-        self.size = 0.2 * float(reach) / np.sqrt(len(ids))
+        self.size = size(np.array(anchors))
         self._joints = [
             _place(model, data, i, anchors[k + 1], self.size, eye) for k, i in enumerate(ids)
         ]

@@ -107,11 +107,13 @@ class Scene:
     def _points(self, ids: list[int]) -> tuple[np.ndarray, np.ndarray]:
         """What must be in the picture (P, 3), and where the tool is in some poses (T, 3) [m]."""
         joints, tool = [], []
-        for sample in self._shot.sample[:: max(1, len(self._shot.sample) // POSES)]:
-            self._pose(int(sample))
+        # The samples reach beyond the frames by a cycle: the whole path is in the picture.
+        for q in self._shot.q[:: max(1, len(self._shot.q) // POSES)]:
+            self._data.qpos[self._address] = q
+            mujoco.mj_kinematics(self.model, self._data)
             joints.append(self._data.xanchor[ids])
             tool.append(self._data.site_xpos[self._site].copy())
-        points = np.concatenate([*joints, tool])
-        # Links and springs are wider than the line through the joints.
-        wide = 0.08 * np.ptp(points, axis=0).max() * np.vstack([np.eye(3), -np.eye(3)])
-        return (points[:, None] + wide).reshape(-1, 3), np.array(tool)
+        wide = 1.5 * overlays.size(np.vstack([joints[0], tool[0]]))
+        sides = wide * np.vstack([np.eye(3), -np.eye(3)])
+        around = (np.concatenate(joints)[:, None] + sides).reshape(-1, 3)
+        return np.concatenate([around, tool]), np.array(tool)
