@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-robots test-sensitivity mutation check format benchmark clean
+.PHONY: paper test test-robots test-sensitivity mutation check format benchmark gallery clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 	$(BIN)/resonance-mj run paper
@@ -33,6 +33,10 @@ format: $(VENV)/installed-dev
 
 benchmark: $(VENV)/installed-dev   ## the compiled law beside a bare step and a NumPy loop
 	$(BIN)/python benchmarks/closed_loop.py
+
+gallery: $(VENV)/installed   ## film the README's looping picture again
+	$(BIN)/resonance-mj run seven-joint
+	$(BIN)/resonance-mj render runs/seven-joint -o docs/motion.webp --from 1c --to 8c --speed 2 --fps 15 --size 880x495
 
 clean:
 	rm -rf build $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis

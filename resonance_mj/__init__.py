@@ -9,9 +9,11 @@ if TYPE_CHECKING:
     from .comparison import Comparison, compare
     from .errors import ResonanceError
     from .experiment import Experiment, load
+    from .look import Look
     from .optimal_springs import Optimum, optimum
     from .run import Run, Status
     from .simulation import simulate, simulate_many
+    from .video import render
 
 _HOMES = {
     "Certificate": "claims",
@@ -22,12 +24,14 @@ _HOMES = {
     "ResonanceError": "errors",
     "Experiment": "experiment",
     "load": "experiment",
+    "Look": "look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
     "Run": "run",
     "Status": "run",
     "simulate": "simulation",
     "simulate_many": "simulation",
+    "render": "video",
 }
 
 __all__ = [
@@ -35,6 +39,7 @@ __all__ = [
     "Certificates",
     "Comparison",
     "Experiment",
+    "Look",
     "Optimum",
     "ResonanceError",
     "Run",
@@ -43,6 +48,7 @@ __all__ = [
     "compare",
     "load",
     "optimum",
+    "render",
     "simulate",
     "simulate_many",
 ]

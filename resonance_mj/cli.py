@@ -13,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from . import render_command
 from .errors import ExperimentError, OutputError, ResonanceError
 
 if TYPE_CHECKING:
@@ -138,6 +139,11 @@ def _parser() -> argparse.ArgumentParser:
         help="rewrite the numbers expected in the files with those found",
     )
     check.epilog = _KEYS
+
+    render = _command(
+        commands, "render", _render, "film a saved run, or several side by side and in step"
+    )
+    render_command.add_options(render)
 
     _command(commands, "list", _list, "the experiments and robots that come with the program")
     _command(commands, "keys", _keys, "every key of an experiment, with unit and default")
@@ -448,6 +454,12 @@ def _certified(run: Run, folder: Path, console: Console) -> list[str]:
     drawn = figures.save(certificate_figure.figure(found), folder, "certificates")
     console.print(tables.certificates(found))
     return [path.name for path in drawn]
+
+
+def _render(options: argparse.Namespace) -> int:
+    console = _console()
+    console.print(str(render_command.render(options, console)), soft_wrap=True)
+    return DONE
 
 
 def _list(options: argparse.Namespace) -> int:

@@ -30,3 +30,7 @@ class CallbackError(ResonanceError):
 
 class OutputError(ResonanceError):
     """A folder or file cannot be written, or does not hold a run."""
+
+
+class PictureError(ResonanceError):
+    """A picture or video was asked for that cannot be made, or OpenGL to draw it is missing."""

@@ -1,0 +1,270 @@
+"""Videos as a user gets them: real files, decoded again, by real processes."""
+
+import hashlib
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+import resonance_mj as rmj
+from resonance_mj import gl
+from resonance_mj import shot as shots
+from resonance_mj.errors import OutputError, PictureError
+
+SMALL = (320, 180)
+
+
+@pytest.fixture(scope="module")
+def run():
+    """The paper's arm for two cycles of each motion."""
+    experiment = rmj.load("paper").replace({"motion.0.duration": 2.0, "motion.1.duration": 2.0})
+    return rmj.simulate(experiment)
+
+
+@pytest.fixture(scope="module")
+def folder(run, tmp_path_factory):
+    return run.save(tmp_path_factory.mktemp("runs") / "short")
+
+
+def filmed(run, name, start=1.0, stop=1.2, fps=10.0, size=SMALL, **look):
+    """The frames (F, height, width, 3) of a video, read back from its file."""
+    rmj.render(run, name, start, stop, fps, look=rmj.Look(size=size, **look), workers=1)
+    return decoded(name)
+
+
+def decoded(path):
+    ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "info", "-i", str(path)]
+    done = subprocess.run(
+        [*ffmpeg, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"], capture_output=True, timeout=60
+    )
+    about = done.stderr.decode()
+    assert "yuv420p" in about
+    width, height = map(int, re.search(r", (\d{3,4})x(\d{3,4})", about).groups())
+    return np.frombuffer(done.stdout, np.uint8).reshape(-1, height, width, 3).astype(int)
+
+
+def command(*arguments, **options):
+    line = [sys.executable, "-m", "resonance_mj.cli", "render", *map(str, arguments)]
+    return subprocess.run(line, capture_output=True, text=True, timeout=120, **options)
+
+
+def test_a_video_has_a_frame_each_step_of_its_span_and_is_h264_that_browsers_play(run, tmp_path):
+    frames = filmed(run, tmp_path / "out.mp4", 0.5, 1.0, fps=12.0)
+    assert frames.shape == (6, 180, 320, 3)
+    data = (tmp_path / "out.mp4").read_bytes()
+    assert b"avc1" in data
+    # The index comes first: playing begins before all is loaded.
+    assert data.index(b"moov") < data.index(b"mdat")
+
+
+def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
+    whole = filmed(run, tmp_path / "whole.mp4", stop=1.1)[0]
+    strip = rmj.Look(size=SMALL).strip_height
+    for part in ("path", "trail", "springs", "motors"):
+        less = filmed(run, tmp_path / f"{part}.mp4", stop=1.1, **{part: False}, legend=True)[0]
+        changed = np.abs(whole - less).max(axis=2) > 60
+        assert changed[:-strip].sum() > 20, part
+        assert not changed[-strip + 2 :].any(), part
+
+
+def test_the_strip_shows_a_cursor_that_moves_with_the_video(run, tmp_path):
+    frames = filmed(run, tmp_path / "out.mp4", 0.0, 4.0, fps=2.0)
+    strip = frames[:, -rmj.Look(size=SMALL).strip_height :]
+    # In the first plot's upper part the cursor is the darkest column.
+    columns = [int(frame[12:30, 20:110].sum(axis=(0, 2)).argmin()) for frame in strip]
+    assert columns == sorted(columns)
+    assert columns[-1] - columns[0] > 50
+
+
+def test_without_strip_and_line_the_arm_takes_the_whole_picture(run, tmp_path):
+    bare = filmed(run, tmp_path / "out.mp4", strip=False, head_up=False, legend=False)[0]
+    assert bare[-1].std() > 0 or bare[0].std() > 0
+    with_all = filmed(run, tmp_path / "all.mp4")[0]
+    # The line above is written on white.
+    assert (with_all[1] > 240).mean() > 0.9 > (bare[1] > 240).mean()
+
+
+def test_two_runs_stand_side_by_side_in_one_picture_of_the_same_size(run, tmp_path):
+    both = filmed((run, run), tmp_path / "both.mp4", size=(640, 180))
+    assert both.shape[1:] == (180, 640, 3)
+    left, right = both[0][:, :318], both[0][:, 322:]
+    # The same run twice: what is left of the difference is that of lossy encoding.
+    assert np.abs(left - right).mean() < 3
+
+
+def test_runs_side_by_side_are_in_step_however_many_processes_draw(run, tmp_path):
+    look = rmj.Look(size=SMALL)
+    one = rmj.render(run, tmp_path / "1.mp4", 0.0, 0.5, 10.0, look=look, workers=1)
+    three = rmj.render(run, tmp_path / "3.mp4", 0.0, 0.5, 10.0, look=look, workers=3)
+    np.testing.assert_array_equal(decoded(one), decoded(three))
+
+
+def test_a_time_lapse_shows_more_of_the_run_in_fewer_frames(run, tmp_path):
+    path = rmj.render(
+        run, tmp_path / "fast.mp4", 0.0, 4.0, 5.0, speed=4.0, look=rmj.Look(size=SMALL)
+    )
+    assert len(decoded(path)) == 5
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_pictures_that_move_are_written_by_extension(run, tmp_path, suffix):
+    path = tmp_path / f"out{suffix}"
+    rmj.render(run, path, 1.0, 1.3, 10.0, look=rmj.Look(size=SMALL))
+    with Image.open(path) as image:
+        assert (image.size, image.n_frames, image.info["loop"]) == (SMALL, 3, 0)
+
+
+def test_a_transparent_background_is_transparent_and_the_arm_is_not(run, tmp_path):
+    path = tmp_path / "out.webp"
+    look = rmj.Look(size=SMALL, background="transparent", strip=False, head_up=False, legend=False)
+    rmj.render(run, path, 1.0, 1.1, 10.0, look=look)
+    with Image.open(path) as image:
+        alpha = np.asarray(image.convert("RGBA"))[..., 3]
+    assert (alpha[0] == 0).all()
+    assert 0.01 < (alpha == 255).mean() < 0.5
+
+
+def test_a_dark_background_is_dark_and_a_white_one_white(run, tmp_path):
+    for background, low, high in (("dark", 0, 60), ("white", 245, 256)):
+        frame = filmed(run, tmp_path / f"{background}.mp4", background=background)[0]
+        assert low <= np.median(frame) < high
+
+
+def test_odd_sizes_are_rounded_up_for_h264_and_said_so(run, tmp_path):
+    said = []
+    path = rmj.render(
+        run, tmp_path / "o.mp4", 1.0, 1.1, 10.0, look=rmj.Look(size=(321, 181)), note=said.append
+    )
+    assert decoded(path).shape[1:3] == (182, 322)
+    assert "321x181" in said[0]
+    assert "322x182" in said[0]
+
+
+DARK_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/><body name="fore" pos=".3 0 0">
+<joint name="elbow" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .2 0 0" size=".02"/>
+<site name="tool" pos=".2 0 0"/></body></body></worldbody>
+<visual><global offwidth="64" offheight="48"/></visual></mujoco>"""
+
+
+def test_a_model_without_light_floor_or_buffer_is_lit_and_its_file_is_not_changed(tmp_path):
+    mjcf = tmp_path / "arm.xml"
+    mjcf.write_text(DARK_ARM)
+    experiment = rmj.Experiment(
+        name="dark",
+        robot={"mjcf": str(mjcf), "home": [0.5, 1.0]},
+        motion=[{"duration": 2.0, "shape": "ellipse", "size": [0.03, 0.03]}],
+    )
+    before = hashlib.sha256(mjcf.read_bytes()).digest()
+    frame = filmed(rmj.simulate(experiment), tmp_path / "out.mp4", legend=False)[0]
+    assert hashlib.sha256(mjcf.read_bytes()).digest() == before
+    scene = frame[30:-60]
+    assert scene.mean() > 90
+    # The arm is in the middle of the picture, and differs from what is around it.
+    assert scene[:, 100:220].std() > 20
+
+
+def test_cycles_name_spans_from_the_start_of_the_first_to_the_end_of_the_last(run):
+    assert shots.span(run, "2c", "3c") == (1.0, 3.0)
+    assert shots.span(run, None, None) == pytest.approx((0.0, 4.0))
+    assert shots.span(run, 0.25, "1c") == (0.25, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "words"),
+    [
+        (3.0, 9.0, "lasts from 0 to 4 s"),
+        (-1.0, 2.0, "lasts from 0 to 4 s"),
+        (2.0, 2.0, "empty"),
+        ("9c", None, "no cycle 9: the run's cycles are 1c to 4c"),
+        ("soon", None, "'soon' is no time"),
+    ],
+)
+def test_spans_that_are_not_in_the_run_are_refused(run, start, stop, words):
+    with pytest.raises(PictureError, match=words):
+        shots.span(run, start, stop)
+
+
+def test_a_thinned_run_says_which_cycles_are_whole_and_is_filmed_without_the_others(tmp_path):
+    experiment = rmj.load("paper").replace(
+        {"motion.0.duration": 6.0, "motion.1.duration": 2.0, "simulation.samples": 4000}
+    )
+    run = rmj.simulate(experiment)
+    kept = sorted(set(run.data["cycle_of_sample"].values.tolist()))
+    assert len(kept) < 8
+    with pytest.raises(PictureError, match="whole are the cycles 1-2, 5-8"):
+        shots.times((run,), 0.0, 8.0, 0.1, given=True)
+    assert len(shots.times((run,), 0.0, 8.0, 0.1, given=False)) == 10 * len(kept)
+
+
+def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
+    done = command(folder, "-o", tmp_path / "o.mp4", "--to", "0.1", "--camera", "nowhere")
+    assert (done.returncode, list(tmp_path.iterdir())) == (2, [])
+    assert "no camera 'nowhere'; its cameras are: front" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["-o", "motion.avi"], "unknown format '.avi'"),
+        (["-o", "motion.mp4", "--background", "transparent"], "only .webp"),
+        (["-o", "motion.mp4", "--background", "pink"], "sky, white, dark, transparent"),
+        (["-o", "motion.mp4", "--size", "big"], "as in 1280x720"),
+        (["-o", "motion.mp4", "--fps", "0"], "fps = 0"),
+        (["-o", "/proc/motion.mp4"], "cannot be written"),
+    ],
+)
+def test_bad_options_are_one_line_and_nothing_is_written(folder, tmp_path, options, words):
+    done = command(folder, "--to", "0.1", *options, cwd=tmp_path)
+    assert (done.returncode, list(tmp_path.iterdir())) == (2, [])
+    assert words in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_the_users_choice_of_opengl_is_kept_and_a_wrong_one_is_said_with_the_packages(
+    folder, tmp_path
+):
+    environment = os.environ | {"MUJOCO_GL": "nothing"}
+    done = command(folder, "-o", tmp_path / "o.mp4", "--to", "0.1", env=environment)
+    assert (done.returncode, list(tmp_path.iterdir())) == (2, [])
+    for words in ("MUJOCO_GL was set by you", "apt install", "dnf install", "macOS"):
+        assert words in done.stderr
+    assert gl.backends({"MUJOCO_GL": "osmesa"}) == ("osmesa",)
+
+
+def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
+    line = [sys.executable, "-m", "resonance_mj.cli", "render", str(folder), "--fps", "100"]
+    process = subprocess.Popen(
+        [*line, "-o", str(tmp_path / "o.mp4")],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    until = time.monotonic() + 60
+    while not list(tmp_path.iterdir()) and time.monotonic() < until:
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    assert b"interrupted" in process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_said_and_leaves_nothing(run, tmp_path, monkeypatch):
+    # The file is written beside its final name: that is a device on which there is no room.
+    beside = tmp_path / f".{os.getpid()}.o.mp4"
+    beside.symlink_to("/dev/full")
+    with pytest.raises(OutputError, match=r"o\.mp4: cannot be written: .*[Nn]o space left"):
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.3, 10.0, look=rmj.Look(size=SMALL))
+    assert list(tmp_path.iterdir()) == []
