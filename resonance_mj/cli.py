@@ -229,8 +229,6 @@ def _run(options: argparse.Namespace) -> int:
 
     folder = could_be_written(options.out or Path("runs") / experiment.name)
     console = _console()
-    # Imported while MuJoCo steps, which leaves Python's lock to others.
-    threading.Thread(target=import_module, args=("resonance_mj.figures",), daemon=True).start()
     run = _simulate(experiment, options, console)
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
@@ -259,12 +257,20 @@ def _simulate(experiment: Experiment, options: argparse.Namespace, console: Cons
     from . import simulation
 
     total = sum(motion.cycles for motion in experiment.motion)
+    drawing = threading.Thread(target=import_module, args=("resonance_mj.figures",), daemon=True)
     with _bar(experiment.name, total, console) as show:
+
+        def shown(done: int, of: int) -> None:
+            if done == 1:
+                # Imported while MuJoCo steps, which leaves Python's lock to others.
+                drawing.start()
+            show(done, of)
+
         return simulation.simulate(
             experiment,
             interpret=options.interpret,
             strict=options.strict,
-            progress=show,
+            progress=shown,
             note=lambda line: console.print(f"  {line}", soft_wrap=True),
         )
 

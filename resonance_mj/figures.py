@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from .files import replacing
+from .forking import meanwhile
 from .run import Run
 
 # Okabe and Ito's palette: told apart by colour-blind readers.
@@ -66,13 +67,21 @@ def save(drawn: Figure, folder: Path, name: str = "figure") -> list[Path]:
         OutputError: a file cannot be written.
     """
     svg, png = folder / f"{name}.svg", folder / f"{name}.png"
+
     # Each canvas is told to print itself: Figure.savefig draws everything twice.
-    with matplotlib.rc_context(STYLE):
-        with replacing(svg) as path:
+    def as_svg() -> None:
+        with matplotlib.rc_context(STYLE), replacing(svg) as path:
             FigureCanvasSVG(drawn).print_svg(path, metadata={"Date": None})
+
+    def as_png() -> None:
         drawn.set_dpi(130)
-        with replacing(png) as path:
+        with matplotlib.rc_context(STYLE), replacing(png) as path:
             FigureCanvasAgg(drawn).print_png(path, pil_kwargs={"compress_level": 3})
+
+    with meanwhile(as_png) as done:
+        as_svg()
+    if not done():
+        as_png()
     return [svg, png]
 
 

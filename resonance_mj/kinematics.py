@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from typing import NamedTuple
 
 import mujoco
@@ -83,15 +84,17 @@ class Kinematics:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Joint angles of `solve`, the error that is left (m,) and the Jacobian (m, n) there."""
         error, J = self._error(q, x)
-        damping = 1e-12
+        away, damping, identity = math.sqrt(error @ error), 1e-12, np.eye(len(x))
         for _ in range(iterations):
-            if np.linalg.norm(error) < TOLERANCE:
+            if away < TOLERANCE:
                 break
-            step = J.T @ np.linalg.solve(J @ J.T + damping * np.eye(len(x)), error)
-            limited = q + step * min(1.0, 0.2 / max(np.abs(step).max(), 1e-300))
+            step = J.T @ np.linalg.solve(J @ J.T + damping * identity, error)
+            longest = np.abs(step).max()
+            limited = q + (step if longest <= 0.2 else step * (0.2 / longest))
             new_error, new_J = self._error(limited, x)
-            if np.linalg.norm(new_error) < np.linalg.norm(error):
-                q, error, J = limited, new_error, new_J
+            new_away = math.sqrt(new_error @ new_error)
+            if new_away < away:
+                q, error, J, away = limited, new_error, new_J, new_away
                 damping = max(damping / 10, 1e-12)
             else:
                 damping = max(10 * damping, 1e-7)
