@@ -29,7 +29,17 @@ def closed_form(name):
         }
 
 
-@pytest.mark.parametrize("name", ["paper", "paper-centered", "paper-transpose"])
+slow = pytest.mark.sensitivity
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "paper",
+        pytest.param("paper-centered", marks=slow),
+        pytest.param("paper-transpose", marks=slow),
+    ],
+)
 def test_whole_run_is_that_of_the_closed_form_arm(name):
     """After 80 000 steps to five digits, and the numbers that the file expects are these."""
     experiment = rmj.load(name)
