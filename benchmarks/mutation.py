@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 COPY = ROOT / "build" / "mutation"
 MUTMUT = Path(sys.executable).with_name("mutmut")
-DECORATOR = "@register_jitable\n"
+DECORATOR = "@step_function\n"
 
 
 def interpreted_copy() -> None:

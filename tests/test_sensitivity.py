@@ -39,7 +39,7 @@ def substituted(monkeypatch):
     """Replace a text that stands once in a function's body by another, in the running package."""
 
     def substitute(module, function, old, new):
-        source = inspect.getsource(getattr(module, function)).replace("@register_jitable\n", "")
+        source = inspect.getsource(getattr(module, function)).replace("@step_function\n", "")
         head, quotes, body = source.rpartition('"""')
         assert body.count(old) == 1, f"{function} has {old!r} {body.count(old)} times"
         names = dict(vars(module))
