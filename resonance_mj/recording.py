@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import xarray as xr
 
@@ -81,6 +83,7 @@ class Recording:
         self._singular: list[float] = []
         self._made: dict[int, Optimum] = {}
         self._kinematics = Kinematics(robot)
+        self._limited = bool(np.isfinite(robot.torque_limit).any())
         self._at_limit = np.zeros(robot.n)
         self._lowest = np.inf
         self.hardest = ""
@@ -125,18 +128,21 @@ class Recording:
             copies = {name: signal.copy() for name, signal in taken.items()}
             self._keep(copies, memory["q_c"][robot].copy(), cycle, steps)
         if steps == whole:
-            by_joint = (taken["tau"] ** 2).mean(axis=0)
+            tau = taken["tau"]
+            by_joint = np.einsum("tj,tj->j", tau, tau) / steps
             self._torque_squared.append(float(by_joint.sum()))
             self.hardest = self._robot.joints[int(by_joint.argmax())]
             miss = taken["x"] - taken["x_desired"]
             positions = len(self._robot.position_axes)
             self._tracking_rms.append(_rms(miss[:, :positions]))
-            self._rotation_rms.append(_rms(miss[:, positions:]))
+            if self._robot.rotates:
+                self._rotation_rms.append(_rms(miss[:, positions:]))
             some = taken["q"][:: max(1, steps // POSES)]
             J = np.array([self._kinematics.jacobian(q) for q in some])
             self._singular.append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
             low, high = self._robot.torque_limit.T
-            self._at_limit = ((taken["tau"] <= low) | (taken["tau"] >= high)).mean(axis=0)
+            if self._limited:
+                self._at_limit = ((taken["tau"] <= low) | (taken["tau"] >= high)).mean(axis=0)
             if self._robot.m < self._robot.n:
                 self._made[int(self._segment[cycle])] = self._best_for(taken, memory, robot)
             self._stiffness.append(memory["stiffness"][robot].copy())
@@ -278,7 +284,7 @@ def _kept(experiment: Experiment) -> set[int]:
 
 def _rms(miss: np.ndarray) -> float:
     """Root mean square of the length of a vector over a cycle (N, ·)."""
-    return float(np.sqrt((miss**2).sum(axis=1).mean()))
+    return math.sqrt(np.vdot(miss, miss) / len(miss))
 
 
 def _about(units: str, meaning: str) -> dict[str, str]:
