@@ -140,3 +140,27 @@ def test_the_default_law_reaches_the_optimum_of_the_papers_arm_and_stays():
         assert segment["cycles_to_optimum"] <= 12
         np.testing.assert_allclose(segment["stiffness"], segment["stiffness_optimal"], rtol=0.02)
         assert segment["tracking_rms"] < 0.5e-3
+
+
+def test_a_joint_that_stands_still_gives_up_its_stiffness_and_keeps_its_torque():
+    """Torque over angle is arbitrary there: only the offset is handed over."""
+    phase = 2 * np.pi * np.arange(100)[:, None] / 100
+    q, u = 1e-6 * np.sin(phase), 3.0 + np.sin(phase)
+    k, offset, center = np.array([5.0]), np.array([0.25]), np.array([0.0])
+    found = learning.transfer(
+        u,
+        np.zeros_like(u),
+        q,
+        k,
+        offset,
+        center,
+        gain=np.eye(1),
+        lead=1,
+        harmonics=None,
+        bounds=((-np.inf, np.inf), (-np.inf, np.inf)),
+    )
+    np.testing.assert_array_equal(found.stiffness, 0.0)
+    np.testing.assert_allclose(found.offset, 3.25)
+    before = u + offset - k * (q - center)
+    after = found.u + found.offset - found.stiffness * (q - found.center)
+    np.testing.assert_allclose(after, before, atol=1e-12)
