@@ -124,6 +124,7 @@ def _parser() -> argparse.ArgumentParser:
     certify.add_argument(
         "--out", metavar="FOLDER", type=Path, help="where to draw; the run's folder"
     )
+
     check = _command(commands, "check", _check, "hold runs against what their experiments expect")
     check.add_argument(
         "runs",

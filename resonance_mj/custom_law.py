@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import inspect
 from collections.abc import Callable
@@ -111,9 +112,8 @@ def _check_shape(path: Path, function: Callable[..., Any], arguments: tuple[str,
 
 def _adapted(custom: Callable[..., None]) -> Command:
     """A custom `command` as the control step calls it."""
-    importlib.import_module(
-        "numba"
-    )  # whose runtime the compiled law may call, to allocate or raise
+    # Its runtime must be there: a compiled law of one's own may allocate or raise.
+    importlib.import_module("numba")
     step_function(custom)
 
     @step_function
