@@ -44,28 +44,42 @@ def load(key: bytes, translate: Callable[[], tuple[str, str]]) -> int:
     )
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     try:
-        code = path.read_bytes()
-    except OSError:
-        code = _compiled(machine, *translate())
+        needs, code = _parts(path.read_bytes())
+    except (OSError, ValueError):
+        written = _compiled(machine, *translate())
         with contextlib.suppress(OutputError):
             writable(path.parent)
             with replacing(path) as beside:
-                beside.write_bytes(code)
-    needs, _, code = code.partition(b"\n")
-    _define_missing(needs.decode().split())
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+                beside.write_bytes(written)
+        needs, code = _parts(written)
+    _define_missing(needs)
+    engine.add_object_file(code)
     engine.finalize_object()
     _loaded.append(engine)
     return int(engine.get_function_address(_NAME))
 
 
+def _parts(written: bytes) -> tuple[list[str], Any]:
+    """What `_compiled` wrote: names and machine code; ValueError where it is not whole."""
+    digest, _, rest = written.partition(b"\n")
+    if digest != _digest(rest):
+        raise ValueError("no machine code, or not the whole of it")
+    needs, _, code = rest.partition(b"\n")
+    return needs.decode().split(), llvm.ObjectFileRef.from_data(code)
+
+
 def _compiled(machine: Any, text: str, name: str) -> bytes:
-    """A line with the names of what the machine code needs from outside, and the code."""
+    """A line with the digest of the rest, one with the names that the code needs, and the code."""
     module = llvm.parse_assembly(text)
     module.get_function(name).name = _NAME
     outside = (*module.functions, *module.global_variables)
     needs = [one.name for one in outside if one.is_declaration and "llvm." not in one.name]
-    return " ".join(needs).encode() + b"\n" + bytes(machine.emit_object(module))
+    rest = " ".join(needs).encode() + b"\n" + bytes(machine.emit_object(module))
+    return _digest(rest) + b"\n" + rest
+
+
+def _digest(code: bytes) -> bytes:
+    return hashlib.sha256(code).hexdigest().encode()
 
 
 def _define_missing(names: list[str]) -> None:

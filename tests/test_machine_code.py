@@ -1,0 +1,67 @@
+"""Machine code kept on disk."""
+
+import ctypes
+import subprocess
+import sys
+
+import pytest
+
+from resonance_mj import machine_code
+
+TEXT = "define i32 @answer() {\n  ret i32 42\n}\ndeclare void @never_called_and_nowhere()\n"
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine_code, "user_cache_path", lambda name: tmp_path / name)
+    return tmp_path / "resonance-mj"
+
+
+def answer(key, translate):
+    return ctypes.CFUNCTYPE(ctypes.c_int)(machine_code.load(key, translate))()
+
+
+def translated():
+    return TEXT, "answer"
+
+
+def not_needed():
+    pytest.fail("the machine code is on disk")
+
+
+def test_a_function_is_compiled_once_for_all_that_it_depends_on(cache):
+    assert answer(b"one", translated) == 42
+    assert answer(b"one", not_needed) == 42
+    other = TEXT.replace("42", "43")
+    assert answer(b"two", lambda: (other, "answer")) == 43
+    assert len(list(cache.iterdir())) == 2
+
+
+@pytest.mark.parametrize("kept", [0, 10, 0.5, -1])
+def test_a_file_that_is_not_whole_is_written_again(cache, kept):
+    assert answer(b"one", translated) == 42
+    (file,) = cache.iterdir()
+    whole = file.read_bytes()
+    file.write_bytes(whole[: int(kept * len(whole)) if isinstance(kept, float) else kept])
+    assert answer(b"one", translated) == 42
+    assert file.read_bytes() == whole
+
+
+def test_without_a_folder_to_write_each_process_compiles(cache):
+    cache.write_text("a file where the folder would be")
+    assert answer(b"one", translated) == 42
+
+
+def test_a_run_with_its_law_on_disk_imports_no_compiler():
+    code = (
+        "import sys, resonance_mj as rmj\n"
+        "paper = rmj.load('paper')\n"
+        "short = [paper.motion[0].model_dump() | {'duration': 1.0}]\n"
+        "rmj.simulate(paper.replace({'motion': short, 'expect': {}}))\n"
+        "print('numba' in sys.modules)"
+    )
+    said = [
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        for _ in range(2)
+    ]
+    assert said[1].stdout.strip() == "False"
