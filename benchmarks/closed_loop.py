@@ -26,11 +26,11 @@ import mujoco
 import numpy as np
 
 import resonance_mj as rmj
-from resonance_mj import controller
-from resonance_mj.callback import installed
-from resonance_mj.memory import Memory
-from resonance_mj.preparation import Prepared, load_law, load_motion, prepare
-from resonance_mj.simulation import between_cycles
+from resonance_mj.callback.callback import installed
+from resonance_mj.laws import controller
+from resonance_mj.laws.memory import Memory
+from resonance_mj.simulation.preparation import Prepared, load_law, load_motion, prepare
+from resonance_mj.simulation.simulation import between_cycles
 
 COMPILED_TARGET = 1.25
 """Most that the compiled law may cost, as a multiple of the bare loop."""

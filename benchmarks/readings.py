@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 import resonance_mj as rmj
-from resonance_mj.kinematics import Kinematics
+from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.optimal_springs import follow
-from resonance_mj.robot import build
+from resonance_mj.robots.robot import build
 
 LINK_1, LINK_2 = 0.3, 0.25
 """Lengths of the links [m], Sec. VI-A."""

@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from resonance_mj import gl
+from resonance_mj.video import gl
 
 os.environ["MUJOCO_GL"] = gl.backends()[0] or ""
 
@@ -21,7 +21,7 @@ import mujoco
 import numpy as np
 
 import resonance_mj as rmj
-from resonance_mj import robot
+from resonance_mj.robots import robot
 
 FRAMES, ROUNDS, FPS = 60, 5, 30.0
 WIDTH, HEIGHT = 1280, 720

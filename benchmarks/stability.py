@@ -22,12 +22,12 @@ from matplotlib.figure import Figure
 from readings import Changes, alone
 
 import resonance_mj as rmj
-from resonance_mj import sampled_loop
-from resonance_mj.divergence import POSES, Divergence, divergences
-from resonance_mj.figures import MUTED, STYLE
+from resonance_mj.figures.figures import MUTED, STYLE
 from resonance_mj.optimal_springs import follow
-from resonance_mj.preparation import prepare
-from resonance_mj.stability import learning_loop
+from resonance_mj.simulation.preparation import prepare
+from resonance_mj.stability import sampled_loop
+from resonance_mj.stability.divergence import POSES, Divergence, divergences
+from resonance_mj.stability.stability import learning_loop
 
 BETAS = (1.0, 3.0, 10.0)
 LEADS = (0, 1, 2)

@@ -4,34 +4,34 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .certificates import certify
-    from .claims import Certificate, Certificates
-    from .comparison import Comparison, compare
+    from .certificates.certificates import certify
+    from .comparison.comparison import Comparison, compare
     from .errors import ResonanceError
-    from .experiment import Experiment, load
-    from .look import Look
+    from .experiments.claims import Certificate, Certificates
+    from .experiments.experiment import Experiment, load
     from .optimal_springs import Optimum, optimum
-    from .run import Run, Status
-    from .simulation import simulate, simulate_many
-    from .video import render
+    from .results.run import Run, Status
+    from .simulation.simulation import simulate, simulate_many
+    from .video.look import Look
+    from .video.video import render
 
 _HOMES = {
-    "Certificate": "claims",
-    "Certificates": "claims",
-    "certify": "certificates",
-    "Comparison": "comparison",
-    "compare": "comparison",
+    "Certificate": "experiments.claims",
+    "Certificates": "experiments.claims",
+    "certify": "certificates.certificates",
+    "Comparison": "comparison.comparison",
+    "compare": "comparison.comparison",
     "ResonanceError": "errors",
-    "Experiment": "experiment",
-    "load": "experiment",
-    "Look": "look",
+    "Experiment": "experiments.experiment",
+    "load": "experiments.experiment",
+    "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
-    "Run": "run",
-    "Status": "run",
-    "simulate": "simulation",
-    "simulate_many": "simulation",
-    "render": "video",
+    "Run": "results.run",
+    "Status": "results.run",
+    "simulate": "simulation.simulation",
+    "simulate_many": "simulation.simulation",
+    "render": "video.video",
 }
 
 __all__ = [

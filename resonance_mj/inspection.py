@@ -12,13 +12,15 @@ import mujoco
 import numpy as np
 import tomlkit
 
-from . import default_motion, mjcf, warnings
-from . import gains as automatic
-from .experiment import Experiment, describe
-from .gains import Gains
-from .kinematics import JointMotion, Kinematics
+from .experiments.experiment import Experiment, describe
+from .laws.gains import Gains
+from .motions import default_motion
+from .motions.kinematics import JointMotion, Kinematics
 from .optimal_springs import Optimum, along, follow, resolved
-from .robot import Robot, build
+from .robots import automatic_gains as automatic
+from .robots import mjcf
+from .robots.robot import Robot, build
+from .simulation import warnings
 
 
 @dataclass(frozen=True)

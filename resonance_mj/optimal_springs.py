@@ -11,11 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import default_motion, springs
-from . import motion as motions
-from .experiment import Experiment, Springs
-from .kinematics import JointMotion, Kinematics
-from .robot import Robot, build
+from .experiments.experiment import Experiment, Springs
+from .laws import springs
+from .motions import default_motion
+from .motions import motion as motions
+from .motions.kinematics import JointMotion, Kinematics
+from .robots.robot import Robot, build
 
 
 @dataclass(frozen=True)

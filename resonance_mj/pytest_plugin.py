@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from .experiment import Experiment
-    from .run import Run
+    from .experiments.experiment import Experiment
+    from .results.run import Run
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -34,7 +34,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     if not (parent.config.getoption("resonance") or parent.config.getini("resonance")):
         return None
-    from .cases import holds_expectations
+    from .checks.cases import holds_expectations
 
     saved = file_path.with_name("run.nc").exists()  # an experiment that a run was saved with
     if saved or not holds_expectations(file_path):
@@ -47,7 +47,7 @@ class ExperimentFile(pytest.File):
 
     def collect(self) -> Iterator[pytest.Item]:
         """The test that it is; bad input is an error of collection, in one line."""
-        from .cases import read
+        from .checks.cases import read
         from .errors import ResonanceError
 
         try:
@@ -66,9 +66,9 @@ class ExperimentItem(pytest.Item):
 
     def runtest(self) -> None:
         """Simulate it, and fail if it misses an expectation."""
-        from .check import judge
-        from .convergence import report
-        from .simulation import simulate
+        from .checks.check import judge
+        from .checks.convergence import report
+        from .simulation.simulation import simulate
 
         run = simulate(self.experiment)
         missed = report(run, judge(run))
@@ -101,8 +101,8 @@ def resonance_run(
     Each is simulated once, for all tests and all workers of pytest-xdist, and again only if
     something has changed that it depends on; `pytest --cache-clear` forgets all.
     """
-    from .experiment import Experiment, load
-    from .run_cache import RunCache
+    from .checks.run_cache import RunCache
+    from .experiments.experiment import Experiment, load
 
     cache = getattr(request.config, "cache", None)
     runs = RunCache(cache.mkdir("resonance-mj") if cache is not None else None)

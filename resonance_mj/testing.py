@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .run import Run
+    from .results.run import Run
 
 
 def assert_converged(run: Run, *, motion: int | None = None, cycles: int | None = None) -> None:
@@ -94,9 +94,9 @@ def _hold(run: Run, motion: int | None, expected: dict[str, Any]) -> None:
     __tracebackhide__ = True
     from dataclasses import replace
 
-    from .cases import fit
-    from .check import judge
-    from .convergence import report
+    from .checks.cases import fit
+    from .checks.check import judge
+    from .checks.convergence import report
     from .errors import ExperimentError
 
     motions = len(run.experiment.motion)

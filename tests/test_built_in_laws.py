@@ -5,11 +5,11 @@ import pytest
 from two_link import first_motion, inverse_kinematics, jacobian, joint_motion
 
 import resonance_mj as rmj
-from resonance_mj import laws, learning
-from resonance_mj.experiment import KINDS, for_robot
-from resonance_mj.gains import gains
-from resonance_mj.preparation import TELL, prepare
-from resonance_mj.robot import build
+from resonance_mj.experiments.experiment import KINDS, for_robot
+from resonance_mj.laws import laws, learning
+from resonance_mj.robots.automatic_gains import gains
+from resonance_mj.robots.robot import build
+from resonance_mj.simulation.preparation import TELL, prepare
 
 STEPS = 1000
 

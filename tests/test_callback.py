@@ -5,12 +5,14 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import callback, controller, library
-from resonance_mj.callback import installed
+from resonance_mj import library
+from resonance_mj.callback import callback
+from resonance_mj.callback.callback import installed
 from resonance_mj.errors import CallbackError
-from resonance_mj.memory import Memory
-from resonance_mj.preparation import load_law, load_motion, prepare
-from resonance_mj.robot import build
+from resonance_mj.laws import controller
+from resonance_mj.laws.memory import Memory
+from resonance_mj.robots.robot import build
+from resonance_mj.simulation.preparation import load_law, load_motion, prepare
 
 TWO_LINK = library.robots()["two_link.xml"]
 

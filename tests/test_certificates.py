@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resonance_mj as rmj
-from resonance_mj import learning, springs
-from resonance_mj.orthogonality import untaken
+from resonance_mj.certificates.orthogonality import untaken
+from resonance_mj.laws import learning, springs
 
 ALPHA, K_V, K_P = 10.0, 200.0, 2000.0
 GAMMA_K, GAMMA_QE = np.array([50.0, 5.0]), np.array([150.0, 10.0])
@@ -491,7 +491,7 @@ sys.exit(main(["certify", "runs/paper", "--out", "drawn"]))
     )
     assert (process.returncode, process.stderr) == (0, "")
     (loaded,) = [line for line in process.stdout.splitlines() if line.startswith("['")]
-    assert "'resonance_mj.simulation'" in loaded
+    assert "'resonance_mj.simulation.simulation'" in loaded
     for name in ("certificates", "claims", "cycles", "lyapunov", "certificate_figure"):
         assert f"'resonance_mj.{name}'" not in loaded
     assert "(22) N falls" in process.stdout

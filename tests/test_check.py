@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import cases, check, cli, convergence, junit
-from resonance_mj.check import Band
-from resonance_mj.springs import equilibrium
+from resonance_mj import cli
+from resonance_mj.checks import cases, check, convergence, junit
+from resonance_mj.checks.check import Band
+from resonance_mj.laws.springs import equilibrium
 
 # The paper's first motion for ten cycles, and for five at half the speed, under the transfer law.
 RUN = """# My arm.

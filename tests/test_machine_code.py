@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from resonance_mj import machine_code
+from resonance_mj.callback import machine_code
 
 TEXT = "define i32 @answer() {\n  ret i32 42\n}\ndeclare void @never_called_and_nowhere()\n"
 

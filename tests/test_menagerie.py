@@ -6,10 +6,11 @@ import importlib
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import cli, menagerie, mjcf
+from resonance_mj import cli
 from resonance_mj.errors import RobotError
-from resonance_mj.experiment import for_robot
-from resonance_mj.robot import build
+from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.robots import menagerie, mjcf
+from resonance_mj.robots.robot import build
 
 NAME = "menagerie:franka_emika_panda"
 ARM = """

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import mjcf
-from resonance_mj.experiment import for_robot
-from resonance_mj.robot import build
+from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.robots import mjcf
+from resonance_mj.robots.robot import build
 
 ARM = """<mujoco><worldbody>
 <body name="base"><site name="right_center"/><geom size=".05"/>

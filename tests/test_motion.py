@@ -8,10 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import resonance_mj as rmj
-from resonance_mj import angular, default_motion, experiment, motion, optimal_springs
-from resonance_mj.kinematics import Kinematics
-from resonance_mj.motion import blended, resolve, sample
-from resonance_mj.robot import build
+from resonance_mj import optimal_springs
+from resonance_mj.experiments import experiment
+from resonance_mj.motions import angular, default_motion, motion
+from resonance_mj.motions.kinematics import Kinematics
+from resonance_mj.motions.motion import blended, resolve, sample
+from resonance_mj.robots.robot import build
 
 SIX_JOINTS = """
 <mujoco>
@@ -549,7 +551,7 @@ def test_the_default_shrinks_near_a_joint_limit_and_near_the_edge_of_reach(folde
 
 def test_scipy_is_not_imported_before_a_csv_needs_it():
     program = (
-        "import sys, resonance_mj, resonance_mj.waypoints; "
+        "import sys, resonance_mj, resonance_mj.motions.waypoints; "
         "sys.exit('scipy.interpolate' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

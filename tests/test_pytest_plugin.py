@@ -7,8 +7,9 @@ import sys
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import run_cache, testing
-from resonance_mj.run_cache import RunCache, fingerprint
+from resonance_mj import testing
+from resonance_mj.checks import run_cache
+from resonance_mj.checks.run_cache import RunCache, fingerprint
 
 RUN = """
 [robot]

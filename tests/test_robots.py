@@ -6,8 +6,8 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import library
-from resonance_mj.experiment import for_robot
-from resonance_mj.robot import build
+from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.robots.robot import build
 
 ROBOTS = library.robots()
 RUNS = library.experiments()

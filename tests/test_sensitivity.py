@@ -10,8 +10,9 @@ import mujoco
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import equations, learning, library
-from resonance_mj.check import judge
+from resonance_mj import library
+from resonance_mj.checks.check import judge
+from resonance_mj.laws import equations, learning
 
 slow = pytest.mark.sensitivity
 

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import cli, equations, sampled_loop, stability
-from resonance_mj.divergence import POSES, divergences
+from resonance_mj import cli
 from resonance_mj.errors import StabilityError
-from resonance_mj.gains import gains
+from resonance_mj.laws import equations
 from resonance_mj.optimal_springs import follow
-from resonance_mj.preparation import prepare
-from resonance_mj.robot import build
+from resonance_mj.robots.automatic_gains import gains
+from resonance_mj.robots.robot import build
+from resonance_mj.simulation.preparation import prepare
+from resonance_mj.stability import sampled_loop, stability
+from resonance_mj.stability.divergence import POSES, divergences
 
 PENDULUM = """
 <mujoco>

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from resonance_mj import equations
+from resonance_mj.laws import equations
 
 
 def damped(J, rate, s, drift, usual=0.0, alpha=10.0):

@@ -1,0 +1,139 @@
+"""The control callback translated by Numba, for one layout of MuJoCo's structs and one command."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numba import carray, types
+from numba.core import cgutils
+from numba.core.errors import NumbaError
+from numba.extending import intrinsic, overload, register_jitable
+
+from ..errors import CallbackError
+from ..laws import memory
+from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
+from ..laws.memory import Header, block, matrix
+from ..laws.step_functions import STEP_FUNCTIONS
+
+
+def translate(
+    model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], command: Command
+) -> tuple[str, str]:
+    """The callback in LLVM's language.
+
+    Args:
+        model_offsets: of `structs.MODEL_FIELDS` in mjModel [bytes].
+        data_offsets: of `structs.DATA_FIELDS` in mjData [bytes].
+        command: the part of the control step that sets y and τ.
+
+    Returns:
+        The text, and the name of the C function in it: `void (mjModel *, mjData *)`.
+
+    Raises:
+        CallbackError: Numba cannot compile the command.
+    """
+    for function in STEP_FUNCTIONS:
+        register_jitable(function)
+    jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
+    userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
+
+    def control(model: int, data: int) -> None:
+        user = _doubles(_word(data, userdata), _word(model, nuserdata))
+        mem = block(user)
+        if mem.size == 0:
+            return
+        speed = _doubles(_word(data, qvel), _word(model, nv))
+        motors = _doubles(_word(data, ctrl), _word(model, nu))
+        if begins_step(mem):
+            site = int(mem[Header.SITE])
+            jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+            rotational = jacobian[3:].ctypes.data if mem[Header.ROTATES] == 1.0 else 0
+            _mj_jacSite(model, data, jacobian.ctypes.data, rotational, site)
+            position = _word(data, site_xpos) + 24 * site
+            orientation = _pointer(_word(data, site_xmat) + 72 * site)
+            act(
+                mem,
+                _doubles(_word(data, qpos), _word(model, nq)),
+                speed,
+                _doubles(position, 3),
+                carray(orientation, (3, 3), np.float64),
+                motors,
+                command,
+            )
+        if failed(mem):
+            hold(
+                speed,
+                motors,
+                _doubles(_word(data, qfrc_bias), _word(model, nv)),
+                _doubles(_word(data, qfrc_passive), _word(model, nv)),
+            )
+        end_stage(
+            mem,
+            _doubles(_word(model, jnt_stiffness), _word(model, njnt)),
+            _doubles(_word(model, qpos_spring), _word(model, nq)),
+        )
+
+    signature = types.void(types.intp, types.intp)
+    try:
+        compiled = numba.cfunc(signature, error_model="numpy")(control)
+    except NumbaError as error:
+        reason = str(error).strip().splitlines()
+        raise CallbackError(
+            "the law cannot be compiled, try --interpret to debug it: "
+            + " ".join(line.strip() for line in reason[:3])
+        ) from error
+    return compiled.inspect_llvm(), compiled.native_name
+
+
+# Resolved by name when the machine code is loaded: an address could not be kept on disk.
+_mj_jacSite = types.ExternalFunction(  # noqa: N816
+    "mj_jacSite",
+    types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32),
+)
+
+
+@intrinsic
+def _pointer(typing_context: Any, address: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.intp), generate
+
+
+@register_jitable
+def _word(address: int, offset: int) -> int:
+    """The 8-byte integer or pointer at `address + offset`."""
+    return carray(_pointer(address + offset), 1, np.intp)[0]
+
+
+@register_jitable
+def _doubles(address: int, size: int) -> np.ndarray:
+    """View of `size` doubles at `address`."""
+    return carray(_pointer(address), size, np.float64)
+
+
+# Compiled, views of the memory are built from their address: slicing and reshaping as Numba does it
+# takes half as long as all the arithmetic of the law.
+
+
+@overload(memory.vector)
+def _vector(memory, name, size):  # type: ignore[no-untyped-def]
+    return lambda memory, name, size: carray(_address(memory, int(memory[name])), size, np.float64)
+
+
+@overload(memory.matrix)
+def _matrix(memory, name, rows, columns):  # type: ignore[no-untyped-def]
+    return lambda memory, name, rows, columns: carray(
+        _address(memory, int(memory[name])), (rows, columns), np.float64
+    )
+
+
+@intrinsic
+def _address(typing_context: Any, memory: Any, start: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.bitcast(builder.gep(array.data, [arguments[1]]), cgutils.voidptr_t)
+
+    return types.voidptr(memory, types.intp), generate

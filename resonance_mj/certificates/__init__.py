@@ -1,0 +1,1 @@
+"""What the stability proof claims, checked on a run."""

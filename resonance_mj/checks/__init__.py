@@ -1,0 +1,1 @@
+"""Runs held against what their experiments expect."""

@@ -1,0 +1,54 @@
+"""What the commands have in common: exit statuses, where tables go, progress bars."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DONE, NOT_WELL, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+"""Exit statuses."""
+
+
+def console() -> Console:
+    """Where tables and progress go."""
+    from rich.console import Console
+
+    return Console(markup=False, highlight=False)
+
+
+@contextmanager
+def bar(
+    first: str, unit: str, console: Console, total: int | None = None, then: str | None = None
+) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar, as a function of what is done and what there is in all.
+
+    Args:
+        first: what is shown until the first progress.
+        unit: of what is counted, in the plural.
+        console: where to show it.
+        total: what there is in all, if that is known.
+        then: what is shown from the first progress on; `first` if not given.
+    """
+    from rich import progress
+
+    bars = progress.Progress(
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TextColumn(unit),
+        progress.TimeElapsedColumn(),
+        progress.TextColumn("left"),
+        progress.TimeRemainingColumn(),
+        console=console,
+    )
+    with bars:
+        task = bars.add_task(first, total=total)
+
+        def show(done: int, of: int) -> None:
+            bars.update(task, completed=done, total=of, description=then or first)
+
+        yield show

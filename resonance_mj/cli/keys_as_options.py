@@ -1,0 +1,80 @@
+"""The keys of an experiment as options: --law.beta 3."""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+from ..errors import ExperimentError
+
+if TYPE_CHECKING:
+    from ..experiments.experiment import Experiment
+
+_HELP = (
+    "Every key of the experiment is an option, with its value as in the file: --law.beta 3, "
+    "--law.k_v 200,300, --springs.stiffness=-inf,inf, --motion.0.period 0.5. "
+    "`resonance-mj keys` lists them."
+)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Let a parser take what to simulate: an experiment, or a robot with everything else found."""
+    parser.add_argument(
+        "experiment", metavar="NAME|PATH", nargs="?", help="a built-in name, or a TOML file"
+    )
+    parser.add_argument(
+        "--robot", metavar="MJCF", help="an arm, in place of the experiment's or with none given"
+    )
+    take_keys(parser)
+
+
+def take_keys(parser: argparse.ArgumentParser) -> None:
+    """Let a parser take keys of an experiment, as `options.changes`."""
+    parser.set_defaults(takes_keys=True)
+    parser.epilog = _HELP
+
+
+def experiment(options: argparse.Namespace) -> Experiment:
+    """The experiment that the options of `add_options` ask for."""
+    from ..experiments.experiment import for_robot, load
+
+    if options.experiment is None and options.robot is None:
+        raise ExperimentError(
+            "give the NAME or PATH of an experiment, or --robot MJCF; `resonance-mj list` has names"
+        )
+    if options.experiment is None:
+        return for_robot(options.robot).replace(options.changes)
+    changes = dict(options.changes)
+    if options.robot is not None:
+        changes["robot.mjcf"] = options.robot
+    return load(options.experiment).replace(changes)
+
+
+def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:
+    """Take the options with a dot, `--law.beta 3` or `--law.beta=3`, out of the arguments."""
+    changes: dict[str, Any] = {}
+    rest: list[str] = []
+    tokens = iter(arguments)
+    for token in tokens:
+        key, equals, text = token.removeprefix("--").partition("=")
+        if not token.startswith("--") or "." not in key:
+            rest.append(token)
+            continue
+        if not equals:
+            following = next(tokens, None)
+            if following is None or following.startswith("--"):
+                raise ExperimentError(f"--{key}: a value must follow, as in --{key}=VALUE")
+            text = following
+        changes[key] = value(text)
+    return changes, rest
+
+
+def value(text: str) -> Any:
+    """A value as a TOML file would have it; `1,2` is a list, and what is no TOML is a string."""
+    for literal in (text, f"[{text}]") if "," in text else (text,):
+        try:
+            return tomllib.loads(f"value = {literal}")["value"]
+        except tomllib.TOMLDecodeError:
+            continue
+    return text.split(",") if "," in text else text

@@ -1,0 +1,82 @@
+"""`resonance-mj`: which command is meant, and how each of them ends."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NoReturn
+
+from ..errors import ExperimentError, ResonanceError
+from . import keys_as_options
+from .console import BAD_INPUT, DONE, INTERRUPTED
+
+COMMANDS = {
+    "run": "run_command",
+    "optimum": "optimum_command",
+    "inspect": "inspect_command",
+    "compare": "compare_command",
+    "plot": "plot_command",
+    "certify": "certify_command",
+    "check": "check_command",
+    "render": "render_command",
+    "list": "list_command",
+    "keys": "keys_command",
+    "version": "version_command",
+}
+"""Each command and its module, which has HELP, `add_options` and `execute`."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns:
+        The exit status: 0 done, 1 the run did not end well, 2 bad input.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        changes, rest = keys_as_options.split(arguments)
+        options = _parser().parse_args(rest)
+        options.changes = changes
+        if changes and not options.takes_keys:
+            key = next(iter(changes))
+            raise ExperimentError(f"--{key}: this command takes no keys of an experiment")
+        return int(options.execute(options))
+    except ResonanceError as error:
+        print(f"resonance-mj: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("resonance-mj: interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ExperimentError(f"{message}; see {self.prog} --help")
+
+
+def _parser() -> _Parser:
+    parser = _Parser(
+        prog="resonance-mj",
+        description="Tune a robot's joint springs to its motion, in MuJoCo.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for name, module in COMMANDS.items():
+        command = import_module(f".{module}", __package__)
+        each = commands.add_parser(
+            name,
+            help=command.HELP,
+            description=f"{command.HELP[0].upper()}{command.HELP[1:]}.",
+            allow_abbrev=False,
+        )
+        each.set_defaults(execute=command.execute, takes_keys=False)
+        command.add_options(each)
+    return parser

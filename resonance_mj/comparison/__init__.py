@@ -1,0 +1,1 @@
+"""The laws that users compare, on one experiment."""

@@ -1,0 +1,1 @@
+"""The equations of the controller, their memory, and the laws made of them."""

@@ -1,0 +1,1 @@
+"""What the tool is to follow, and the joint motion behind it."""

@@ -1,0 +1,158 @@
+"""The size of a motion that gives none: the largest that the arm follows with margin."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from ..errors import MotionError
+from ..experiments import experiment
+from ..robots.robot import Robot
+from . import motion as motions
+from .kinematics import TOLERANCE, Kinematics
+
+SHARE = 0.15
+"""Largest half size, as a share of the arm's reach."""
+
+SHRINK = 0.8
+"""Ratio of one tried size to the one before."""
+
+TRIES = 20
+"""Sizes tried, down to about a hundredth of the first."""
+
+POINTS = 48
+"""Points of the cycle at which the arm is looked at."""
+
+GLANCE = 4
+"""Every so many of them are looked at first, which most sizes that are too large do not pass."""
+
+CONDITIONING = 0.5
+"""Least ratio of J's smallest to largest singular value, as a share of that at the center."""
+
+LIMITS = 0.05
+"""Least distance to a joint's limits, as a share of its range."""
+
+
+def sized(
+    motion: experiment.Motion, kinematics: Kinematics, name: str, alpha_0: float = 10.0
+) -> experiment.Motion:
+    """A motion with its size filled in, twice as long as high.
+
+    The size shrinks from a share of the reach until inverse kinematics follows the motion well away
+    from singular poses and joint limits. It is the same for the same robot and motion.
+
+    Args:
+        motion: resolved but for its size.
+        kinematics: of the robot.
+        name: how messages call the motion.
+        alpha_0: rate at which the posture is taken back [1/s].
+
+    Raises:
+        MotionError: the arm follows no size of it with margin.
+    """
+    if motion.size is not None or motion.shape in ("fourier", "csv"):
+        return motion
+    robot = kinematics.robot
+    size = SHARE * reach(robot)
+    # So coarse a cycle would overshoot with a posture that returns within a step.
+    alpha_0 = min(alpha_0, 0.5 * POINTS / motion.period)
+    middle = _middle(motion, kinematics, name)
+    reason = ""
+    for _ in range(TRIES):
+        candidate = motion.model_copy(update={"size": (size, size / 2)})
+        reason = _obstacle(candidate, kinematics, middle, name, alpha_0)
+        if not reason:
+            return candidate
+        size *= SHRINK
+    raise MotionError(
+        f"{name}: no size is given, and even with size = [{size / SHRINK:.2g}, "
+        f"{size / SHRINK / 2:.2g}] m: {reason}. Give center, size and plane, or another home pose"
+    )
+
+
+def reach(robot: Robot) -> float:
+    """Distance from the first joint to the tool with the chain stretched out [m].
+
+    The sum of the distances between the joints' anchors at home, and of the ways of slide joints.
+    """
+    model, data = robot.model, mujoco.MjData(robot.model)
+    data.qpos[:] = robot.qpos
+    mujoco.mj_kinematics(model, data)
+    points = np.vstack([data.xanchor[robot.joint_id], data.site_xpos[robot.site]])
+    slides = model.jnt_type[robot.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    ways = np.abs(model.jnt_range[robot.joint_id] - robot.home[:, None]).max(axis=1)
+    way = ways[slides & model.jnt_limited[robot.joint_id].astype(bool)].sum()
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum() + way)
+
+
+def _middle(motion: experiment.Motion, kinematics: Kinematics, name: str) -> np.ndarray:
+    """Joint angles (n,) with the tool at the motion's center; those at home if it is not given."""
+    point = motion.model_copy(update={"size": (0.0, 0.0), "rotation_sin": (), "rotation_cos": ()})
+    x = motions.sample(point, 1, kinematics.robot).x[0]
+    q = kinematics.solve(x, kinematics.robot.home)
+    away = float(np.linalg.norm(kinematics.position(q) - x))
+    if away > 1e3 * TOLERANCE:
+        raise MotionError(
+            f"{name}: center = {list(motion.center or ())}: out of the arm's reach: the tool comes "
+            f"no nearer than {away * 1e3:.1f} mm; at home it is where center is if not given"
+        )
+    return q
+
+
+def _obstacle(
+    motion: experiment.Motion,
+    kinematics: Kinematics,
+    middle: np.ndarray,
+    name: str,
+    alpha_0: float,
+) -> str:
+    """Why the arm cannot follow a motion with margin; empty if it can."""
+    home = kinematics.robot.home
+    samples = motions.sample(motion, POINTS, kinematics.robot)
+    q = home
+    for x in samples.x[::GLANCE]:
+        q = kinematics.solve(x, q, iterations=30)
+        reason = _lacks_margin(q[None], middle, kinematics)
+        if reason:
+            return reason
+    try:
+        q = kinematics.follow(samples, home, motion.period, name, alpha_0).q
+    except MotionError as error:
+        return str(error).removeprefix(f"{name}: ")
+    return _lacks_margin(q, middle, kinematics)
+
+
+def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> str:
+    """Why joint angles (N, n) come too near to a singular pose or a joint limit; empty if not."""
+    robot = kinematics.robot
+    usual = _conditioning(kinematics.jacobian(middle))
+    worst = min(_conditioning(kinematics.jacobian(angles)) for angles in q)
+    if worst < CONDITIONING * usual:
+        return (
+            f"it comes near a singular pose, where the singular values of J have the ratio "
+            f"{worst:.2g}, and at the center {usual:.2g}"
+        )
+    model = robot.model
+    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
+        return ""
+    low, high = model.jnt_range[robot.joint_id].T
+    # Where the center itself is nearer to a limit, half of its distance is kept.
+    margin = np.minimum(LIMITS * (high - low), _to_limit(middle, low, high) / 2)
+    near = (_to_limit(q, low, high) < margin) & model.jnt_limited[robot.joint_id].astype(bool)
+    if near.any():
+        j = int(np.argmax(near.any(axis=0)))
+        return (
+            f"joint {robot.joints[j]!r} moves from {q[:, j].min():.3g} to {q[:, j].max():.3g}, "
+            f"too near to the ends of its range, {low[j]:.3g} to {high[j]:.3g}"
+        )
+    return ""
+
+
+def _to_limit(q: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Distance to the nearer end of the range, 0 beyond it."""
+    return np.maximum(np.minimum(q - low, high - q), 0.0)
+
+
+def _conditioning(jacobian: np.ndarray) -> float:
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    return float(values[-1] / values[0])

@@ -1,0 +1,285 @@
+"""Joint motion behind a task-space motion: for the evaluation, never for the controller."""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from ..errors import MotionError
+from ..laws import equations
+from ..robots.robot import Robot
+from .motion import Samples
+
+TOLERANCE = 1e-11
+"""Position error at which the inverse kinematics has converged [m]."""
+
+SINGULAR = 1e-3
+"""Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
+
+
+class JointMotion(NamedTuple):
+    """A joint motion over one cycle."""
+
+    q: np.ndarray
+    """Joint angles q_d (N, n) [rad]."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
+    ddq: np.ndarray
+    """Joint accelerations (N, n) [rad/s^2]."""
+
+
+class Kinematics:
+    """Position, Jacobian and torque of a robot at chosen states, without its joint springs."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self._model = copy.copy(robot.model)
+        self._model.jnt_stiffness[robot.joint_id] = 0.0
+        self._data = mujoco.MjData(self._model)
+        self._data.qpos[:] = robot.qpos
+        self._full = np.zeros((6, self._model.nv))
+        self._of_task = np.ix_(robot.coordinate, robot.dof_address)
+        self._body = int(robot.model.site_bodyid[robot.site])
+
+    def position(self, q: np.ndarray) -> np.ndarray:
+        """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad].
+
+        Rotation is a rotation vector from the orientation at home, in the world frame.
+        """
+        self._place(q)
+        return self._x()
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """Task Jacobian J(q) (m, n) [m/rad] at joint angles q (n,) [rad]."""
+        self._place(q)
+        return self._J()
+
+    def inertia(self, q: np.ndarray) -> np.ndarray:
+        """Inertia matrix of the joints (n, n) [kg m^2] at joint angles q (n,) [rad]."""
+        data, dofs = self._data, self.robot.dof_address
+        self._place(q)
+        mujoco.mj_crb(self._model, data)
+        full = np.zeros((self._model.nv, self._model.nv))
+        mujoco.mj_fullM(self._model, data, full)
+        return full[np.ix_(dofs, dofs)]
+
+    def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
+        """Joint angles near `q` whose tool position is nearest to `x`, by damped Newton steps.
+
+        The damping grows while a step does not come closer, so that the branch of `q` is kept.
+
+        Args:
+            x: position (m,) [m, rad].
+            q: joint angles to start from (n,) [rad].
+            iterations: most steps; without convergence the nearest angles found are returned.
+        """
+        return self._solved(x, q, iterations)[0]
+
+    def _solved(
+        self, x: np.ndarray, q: np.ndarray, iterations: int = 200
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joint angles of `solve`, the error that is left (m,) and the Jacobian (m, n) there."""
+        error, J = self._error(q, x)
+        away, damping, identity = math.sqrt(error @ error), 1e-12, np.eye(len(x))
+        for _ in range(iterations):
+            if away < TOLERANCE:
+                break
+            step = J.T @ np.linalg.solve(J @ J.T + damping * identity, error)
+            longest = np.abs(step).max()
+            limited = q + (step if longest <= 0.2 else step * (0.2 / longest))
+            new_error, new_J = self._error(limited, x)
+            new_away = math.sqrt(new_error @ new_error)
+            if new_away < away:
+                q, error, J, away = limited, new_error, new_J, new_away
+                damping = max(damping / 10, 1e-12)
+            else:
+                damping = max(10 * damping, 1e-7)
+                if damping > 1e3:
+                    break
+        return q, error, J
+
+    def follow(
+        self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float = 10.0
+    ) -> JointMotion:
+        """Joint motion of a task-space motion, on the branch of `start`.
+
+        Where the task leaves joints free, they drift towards the home pose as the law has them,
+        and the second of two cycles is returned.
+
+        Args:
+            samples: the motion.
+            start: joint angles near which the branch is looked for (n,) [rad].
+            period: cycle time [s].
+            name: how messages call the motion.
+            alpha_0: rate at which the posture is taken back [1/s].
+
+        Raises:
+            MotionError: the motion leaves the arm's reach or passes through a singular pose.
+        """
+        m, n = self.robot.m, self.robot.n
+        if m < n:
+            start = self._cycle(samples, start, period, name, alpha_0)[0][-1]
+        q, J = self._cycle(samples, start, period, name, alpha_0)
+        jump = np.abs(self.solve(samples.x[0], q[-1]) - q[0]).max()
+        if jump > (1e-6 if m == n else 0.1):
+            raise MotionError(
+                f"{name}: the joints do not return to where they began: after one cycle they are "
+                f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
+            )
+        if m == n:
+            return self._rates(samples, q, J)
+        dq = _periodic_rate(q, period)
+        return JointMotion(q, dq, _periodic_rate(dq, period))
+
+    def passage(
+        self, samples: Samples, start: np.ndarray, length: float, name: str, alpha_0: float = 10.0
+    ) -> JointMotion:
+        """Joint motion of a task-space motion that ends elsewhere than it begins.
+
+        Args:
+            samples: the motion.
+            start: joint angles near which the branch is looked for (n,) [rad].
+            length: how long it takes [s].
+            name: how messages call the motion.
+            alpha_0: rate at which the posture is taken back [1/s].
+
+        Raises:
+            MotionError: the motion leaves the arm's reach or passes through a singular pose.
+        """
+        q, J = self._cycle(samples, start, length, name, alpha_0)
+        if self.robot.m == self.robot.n:
+            return self._rates(samples, q, J)
+        dt = length / len(q)
+        dq = np.gradient(q, dt, axis=0, edge_order=2)
+        return JointMotion(q, dq, np.gradient(dq, dt, axis=0, edge_order=2))
+
+    def _rates(self, samples: Samples, q: np.ndarray, J: np.ndarray) -> JointMotion:
+        """Joint angles with the velocities and accelerations that a task of n coordinates sets."""
+        dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
+        drift = np.array([self._J_dot(*state) @ state[1] for state in zip(q, dq, strict=True)])
+        ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
+        return JointMotion(q, dq, ddq)
+
+    def _cycle(
+        self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Joint angles (N, n) and Jacobians (N, m, n) along one cycle."""
+        steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
+        q, J = np.empty((steps, n)), np.empty((steps, m, n))
+
+        def where(i: int) -> str:
+            at = _point(samples.x[i], self.robot)
+            return f"{i / steps * period:.3f} s into the cycle, at {at}"
+
+        guess = self._unfolded(samples.x[0], start)
+        for i in range(steps):
+            q[i], error, J[i] = self._solved(samples.x[i], guess)
+            away = np.linalg.norm(error)
+            if away > 1e3 * TOLERANCE:
+                raise MotionError(
+                    f"{name}: out of the arm's reach {where(i)}: the tool comes no nearer than "
+                    f"{away * 1e3:.1f} mm; move or shrink the motion"
+                )
+            guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
+            if m < n:
+                home = alpha_0 * period / steps * (self.robot.home - q[i])
+                guess = q[i] + home - np.linalg.lstsq(J[i], J[i] @ home, rcond=None)[0]
+        values = np.linalg.svd(J, compute_uv=False)
+        i = int(np.argmin(values[:, -1] / values[:, 0]))
+        if values[i, -1] < SINGULAR * values[i, 0]:
+            raise MotionError(
+                f"{name}: passes through a singular pose {where(i)}, with joint angles "
+                f"{np.array2string(q[i], precision=3)} rad: the smallest singular value of J is "
+                f"{values[i, -1]:.1e} m/rad, at least {SINGULAR * values[i, 0]:.1e} is needed; "
+                "move the motion away from there or choose another home pose"
+            )
+        return q, J
+
+    def _unfolded(self, x: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Joint angles that reach `x`, from `start` or from beside it where it is singular.
+
+        From an exactly stretched arm no small step brings the tool nearer to its base.
+        """
+        bent = 0.3 * (-1.0) ** np.arange(len(start))
+        for guess in (start, start + bent, start - bent):
+            q = self.solve(x, guess)
+            if np.linalg.norm(self._error(q, x)[0]) < 1e3 * TOLERANCE:
+                return q
+        return self.solve(x, start)
+
+    def torque(self, motion: JointMotion) -> np.ndarray:
+        """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).
+
+        Returns:
+            Torque (N, n) [N m].
+        """
+        robot, data = self.robot, self._data
+        torque = np.empty_like(motion.q)
+        for i in range(len(torque)):
+            data.qpos[robot.qpos_address] = motion.q[i]
+            data.qvel[robot.dof_address] = motion.dq[i]
+            data.qacc[:] = 0.0
+            data.qacc[robot.dof_address] = motion.ddq[i]
+            mujoco.mj_inverse(self._model, data)
+            torque[i] = data.qfrc_inverse[robot.dof_address]
+        return torque
+
+    def _place(self, q: np.ndarray) -> None:
+        model, data = self._model, self._data
+        data.qpos[self.robot.qpos_address] = q
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+
+    def _x(self) -> np.ndarray:
+        robot, data = self.robot, self._data
+        if not robot.rotates:
+            return data.site_xpos[robot.site][robot.coordinate].copy()
+        x = np.empty(robot.m)
+        x[:-3] = data.site_xpos[robot.site][robot.coordinate[:-3]]
+        equations.rotation_vector(self._orientation(), robot.orientation, x[-3:])
+        return x
+
+    def _orientation(self) -> np.ndarray:
+        return self._data.site_xmat[self.robot.site].reshape(3, 3)
+
+    def _J(self) -> np.ndarray:  # noqa: N802
+        mujoco.mj_jacSite(self._model, self._data, self._full[:3], self._full[3:], self.robot.site)
+        return self._full[self._of_task]
+
+    def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
+        model, data = self._model, self._data
+        self._place(q)
+        data.qvel[self.robot.dof_address] = dq
+        mujoco.mj_comVel(model, data)
+        at = data.site_xpos[self.robot.site]
+        mujoco.mj_jacDot(model, data, self._full[:3], self._full[3:], at, self._body)
+        return self._full[self._of_task]
+
+    def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""
+        self._place(q)
+        error = x - self._x()
+        if self.robot.rotates:
+            desired = np.empty((3, 3))
+            equations.rotation(x[-3:], self.robot.orientation, desired)
+            equations.rotation_vector(desired, self._orientation(), error[-3:])
+        return error, self._J()
+
+
+def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
+    """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
+    dt = period / len(values)
+
+    def ahead(k: int) -> np.ndarray:
+        return np.roll(values, -k, axis=0)
+
+    return (8 * (ahead(1) - ahead(-1)) - (ahead(2) - ahead(-2))) / (12 * dt)
+
+
+def _point(x: np.ndarray, robot: Robot) -> str:
+    position = zip(robot.position_axes, x, strict=False)
+    return "(" + ", ".join(f"{axis} = {value:.3f}" for axis, value in position) + ") m"

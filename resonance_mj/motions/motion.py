@@ -1,0 +1,295 @@
+"""Periodic motions of the tool in the task space, sampled over a cycle."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from ..errors import ExperimentError
+from ..experiments import experiment
+from ..robots.robot import Robot
+from . import angular, waypoints
+from .waypoints import Waypoints
+
+
+class Samples(NamedTuple):
+    """A motion over one cycle, at the start of each of its N time steps.
+
+    Rotation, where the task has it, is the last three coordinates: in `x` the rotation vector from
+    the orientation at home, in the world frame, and in `dx` and `ddx` the angular velocity and
+    acceleration in the world frame, as the tool's Jacobian has them. These are not the rotation
+    vector's own derivatives, from which they differ while the axis of rotation turns.
+    """
+
+    x: np.ndarray
+    """Desired position x_d (N, m) [m, rad]."""
+    dx: np.ndarray
+    """Desired velocity (N, m) [m/s, rad/s]."""
+    ddx: np.ndarray
+    """Desired acceleration (N, m) [m/s^2, rad/s^2]."""
+    rotates: bool = False
+    """Whether the last three coordinates are a rotation."""
+
+
+def sample(motion: experiment.Motion, steps: int, robot: Robot) -> Samples:
+    """Sample a motion at `steps` equal time steps of its cycle.
+
+    Args:
+        motion: of any shape, with what it left open filled in by `resolve`.
+        steps: number N of samples.
+        robot: gives the task's coordinates, in whose order the samples are.
+    """
+    parts = _in_its_frame(motion, steps, robot)
+    if motion.frame != "world":
+        at, R = _frame(motion, robot)
+        count = len(at)
+        for part in parts:
+            part[:, :count] = part[:, :count] @ R.T
+        parts[0][:, :count] += at
+    x, dx, ddx = parts
+    if robot.rotates:
+        if motion.rotation_sin or motion.rotation_cos:
+            rows = motion.rotation_sin, motion.rotation_cos
+            turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
+            for part, more in zip(parts, turn, strict=True):
+                part[:, -3:] += more
+        dx[:, -3:], ddx[:, -3:] = angular.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+    return Samples(x, dx, ddx, robot.rotates)
+
+
+def resolve(
+    motion: experiment.Motion, robot: Robot, at_home: np.ndarray, name: str = "motion"
+) -> experiment.Motion:
+    """A motion that fits the robot's task, with all that it left open filled in but its size.
+
+    Args:
+        motion: as it was given.
+        robot: the robot.
+        at_home: the tool's position at home (m,) [m].
+        name: how messages call the motion.
+
+    Raises:
+        ExperimentError: the plane, the frame, the rotation or the CSV does not fit the task.
+    """
+    axes = robot.position_axes
+    _check(motion, robot, name)
+    found: dict[str, object] = {}
+    if motion.shape == "csv":
+        _WAYPOINTS[_key(motion, robot)] = waypoints.read(*_key(motion, robot), name)
+    elif motion.shape != "fourier":
+        if motion.center is None:
+            at, R = _frame(motion, robot)
+            center = R.T @ (at_home[: len(axes)] - at)
+            found["center"] = tuple(float(value) for value in center)
+        if motion.plane is None:
+            found["plane"] = (axes[0], axes[-1])
+        if motion.shape == "polygon":
+            found["corners"] = motion.corners or 4
+            found["rounding"] = motion.rounding or 0.5
+    resolved = motion.model_copy(update=found)
+    if robot.rotates:
+        longest = float(np.linalg.norm(sample(resolved, 200, robot).x[:, -3:], axis=1).max())
+        if longest >= np.pi:
+            raise ExperimentError(
+                f"{name}: it turns the tool by {longest:.3g} rad from its orientation at home; "
+                "less than pi is valid, where the rotation vector is unique"
+            )
+    return resolved
+
+
+def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: float) -> Samples:
+    """One cycle of the passage from a motion to the next, smooth to the second derivative.
+
+    x = x_before + σ (x_after - x_before), with the minimum-jerk σ = 10 r³ - 15 r⁴ + 6 r⁵ of the
+    share r of the passage that has gone by. Of rotations it is the rotation vectors that are so
+    joined.
+
+    Args:
+        before: the motion that is left, over one cycle of the new one (N, m).
+        after: the motion that begins.
+        cycle: which cycle of the passage, from 0.
+        cycles: number of cycles of the passage.
+        period: cycle time of the new motion [s].
+    """
+    if after.rotates:
+        before, after = _with_rates(before), _with_rates(after)
+    steps = len(after.x)
+    r = ((cycle + np.arange(steps) / steps) / cycles)[:, None]
+    length = cycles * period
+    sigma = _minimum_jerk(r)
+    d_sigma = 30 * r**2 * (1 - r) ** 2 / length
+    dd_sigma = 60 * r * (1 - r) * (1 - 2 * r) / length**2
+    gap, d_gap, dd_gap = after.x - before.x, after.dx - before.dx, after.ddx - before.ddx
+    x = before.x + sigma * gap
+    dx = before.dx + sigma * d_gap + d_sigma * gap
+    ddx = before.ddx + sigma * dd_gap + 2 * d_sigma * d_gap + dd_sigma * gap
+    if after.rotates:
+        dx[:, -3:], ddx[:, -3:] = angular.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+    return Samples(x, dx, ddx, after.rotates)
+
+
+def in_a_row(parts: list[Samples]) -> Samples:
+    """Motions of one task that follow each other, as one."""
+    x, dx, ddx = (np.concatenate([part[i] for part in parts]) for i in range(3))
+    return Samples(x, dx, ddx, parts[0].rotates)
+
+
+Rows = tuple[tuple[float, ...], ...]
+Parts = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+_WAYPOINTS: dict[tuple[str, tuple[str, ...], float], Waypoints] = {}
+"""What `resolve` read: a CSV that is edited while a run goes on does not change the run."""
+
+
+def _key(motion: experiment.Motion, robot: Robot) -> tuple[str, tuple[str, ...], float]:
+    return motion.file or "", robot.axes, motion.period
+
+
+def _check(motion: experiment.Motion, robot: Robot, name: str) -> None:
+    """Raise where a motion does not fit the task."""
+    axes = robot.position_axes
+    for axis in motion.plane or ():
+        if axis not in axes:
+            raise ExperimentError(
+                f"{name}: plane = {list(motion.plane or ())}: {axis} is not one of the task's "
+                f"coordinates: {', '.join(axes)}"
+            )
+    for key in ("rotation_sin", "rotation_cos"):
+        if getattr(motion, key) and not robot.rotates:
+            raise ExperimentError(
+                f"{name}: {key} is given, and the task has no rotation; its coordinates are "
+                f"{', '.join(axes)}: take {key} out, or add 'rotation' to task.coordinates"
+            )
+    _, turn = _pose(motion, robot)
+    inside = np.array([axis in axes for axis in "xyz"])
+    leaves = float(np.abs(turn[np.ix_(~inside, inside)]).max(initial=0.0))
+    if leaves > 1e-6:
+        raise ExperimentError(
+            f"{name}: frame = {motion.frame!r}: its axes {', '.join(axes)} are turned out of the "
+            f"world's {', '.join(axes)}, by {np.degrees(np.arcsin(min(leaves, 1.0))):.3g} degrees, "
+            "and the task has no others; give 'world', or a task with all of x, y and z"
+        )
+
+
+def _frame(motion: experiment.Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Origin and axes of a motion's frame, in the task's positions."""
+    place, turn = _pose(motion, robot)
+    axes = ["xyz".index(axis) for axis in robot.position_axes]
+    return place[axes], turn[np.ix_(axes, axes)]
+
+
+def _pose(motion: experiment.Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Origin (3,) [m] and axes (3, 3) of a motion's frame in the world, at home."""
+    if motion.frame == "world":
+        return np.zeros(3), np.eye(3)
+    data = mujoco.MjData(robot.model)
+    data.qpos[:] = robot.qpos
+    mujoco.mj_kinematics(robot.model, data)
+    if motion.frame == "tool":
+        return data.site_xpos[robot.site].copy(), data.site_xmat[robot.site].reshape(3, 3).copy()
+    base = robot.model.body_parentid[robot.model.jnt_bodyid[robot.joint_id[0]]]
+    return data.xpos[base].copy(), data.xmat[base].reshape(3, 3).copy()
+
+
+def _in_its_frame(motion: experiment.Motion, steps: int, robot: Robot) -> Parts:
+    """x, dx/dt and d²x/dt² of a motion (N, m), without what rotation_sin and rotation_cos add."""
+    if motion.shape == "fourier":
+        rows = motion.sin, motion.cos
+        return _fourier(motion.offset or (), *rows, motion.period, steps)
+    if motion.shape == "csv":
+        key = _key(motion, robot)
+        points = _WAYPOINTS.get(key) or waypoints.read(*key, "motion")
+        spline, phase = points.spline(), np.arange(steps) / steps
+        return spline(phase), spline(phase, 1) / key[-1], spline(phase, 2) / key[-1] ** 2
+    parts = _polygon(motion, steps) if motion.shape == "polygon" else _curve(motion, steps)
+    x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
+    x[:, : len(robot.position_axes)] = motion.center
+    # A task of one position has one coordinate for both: then the shape's first alone.
+    for column, axis in enumerate(dict.fromkeys(motion.plane or ())):
+        for whole, part in zip((x, dx, ddx), parts, strict=True):
+            whole[:, robot.axes.index(axis)] += part[:, column]
+    return x, dx, ddx
+
+
+def _curve(motion: experiment.Motion, steps: int) -> Parts:
+    """An ellipse, line or eight about its center, in its plane (N, 2).
+
+    An ellipse is a cos, b sin; an eight is a sin, b sin of twice the angle; a line is sin in both.
+    """
+    a, b = motion.size or (0.0, 0.0)
+    sin: Rows = ((a,), (b,))
+    cos: Rows = ()
+    if motion.shape == "ellipse":
+        sin, cos = ((0.0,), (b,)), ((a,), (0.0,))
+    elif motion.shape == "eight":
+        sin = ((a, 0.0), (0.0, b))
+    return _fourier((0.0, 0.0), sin, cos, motion.period, steps)
+
+
+def _polygon(motion: experiment.Motion, steps: int) -> Parts:
+    """A regular polygon with rounded corners about its center, in its plane (N, 2).
+
+    Each side takes as long as the others. About each corner, for the share `rounding` of the time
+    of a side, the velocity passes over from that of one side to that of the next, as σ of minimum
+    jerk, so that acceleration and jerk are continuous too. A corner begins and ends on the sides
+    themselves, because σ(r) + σ(1 - r) = 1.
+    """
+    corners, rounding = motion.corners or 4, motion.rounding or 0.5
+    angle = 2 * np.pi * np.arange(corners) / corners
+    corner = np.asarray(motion.size or (0.0, 0.0)) * np.stack([np.cos(angle), np.sin(angle)], 1)
+    side = np.roll(corner, -1, axis=0) - corner
+    u = np.arange(steps) / steps * corners  # Time in sides; corner k is passed at u = k.
+    nearest = np.floor(u + 0.5)
+    past = (u - nearest)[:, None]
+    k = nearest.astype(int) % corners
+    before, turn = side[k - 1], side[k] - side[k - 1]
+    r = np.clip(past / rounding + 0.5, 0.0, 1.0)
+    # The integral of σ is 5/2 r⁴ - 3 r⁵ + r⁶, and beyond the corner it grows with the time.
+    gone = rounding * r**4 * (2.5 - 3 * r + r**2) + np.maximum(past - rounding / 2, 0.0)
+    rate = corners / motion.period
+    return (
+        corner[k] + past * before + gone * turn,
+        rate * (before + _minimum_jerk(r) * turn),
+        rate**2 * (30 * r**2 * (1 - r) ** 2 / rounding) * turn,
+    )
+
+
+def _minimum_jerk(r: np.ndarray) -> np.ndarray:
+    """From 0 at r = 0 to 1 at r = 1, with first and second derivatives of 0 at both."""
+    return r**3 * (10 - 15 * r + 6 * r**2)
+
+
+def _with_rates(samples: Samples) -> Samples:
+    """With the rotation vector's own derivatives in place of angular velocity and acceleration."""
+    x, dx, ddx = samples.x, samples.dx.copy(), samples.ddx.copy()
+    dx[:, -3:], ddx[:, -3:] = angular.to_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+    return Samples(x, dx, ddx, True)
+
+
+def _fourier(
+    offset: tuple[float, ...], sin_rows: Rows, cos_rows: Rows, period: float, steps: int
+) -> Parts:
+    """The sum offset + Σ_h sin_h sin(2π h t/T) + cos_h cos(2π h t/T), per coordinate."""
+    m = len(offset)
+    a, b = _columns(sin_rows, m), _columns(cos_rows, m)
+    harmonics = max(a.shape[1], b.shape[1])
+    a, b = (np.pad(rows, ((0, 0), (0, harmonics - rows.shape[1]))) for rows in (a, b))
+    h = np.arange(1, harmonics + 1)
+    phase = 2 * np.pi * np.outer(np.arange(steps) / steps, h)
+    sin, cos = np.sin(phase), np.cos(phase)
+    omega = 2 * np.pi * h / period
+    return (
+        np.asarray(offset) + sin @ a.T + cos @ b.T,
+        cos @ (a * omega).T - sin @ (b * omega).T,
+        -sin @ (a * omega**2).T - cos @ (b * omega**2).T,
+    )
+
+
+def _columns(rows: tuple[tuple[float, ...], ...], m: int) -> np.ndarray:
+    """Rows of amplitudes, filled up with zeros to the longest (m, harmonics)."""
+    width = max((len(row) for row in rows), default=0)
+    return np.array([(*row, *(0.0,) * (width - len(row))) for row in rows or ((),) * m]).reshape(
+        m, width
+    )

@@ -1,0 +1,267 @@
+"""A CSV of waypoints as a closed curve: what is valid in it, and the periodic cubic spline."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..errors import ExperimentError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+JUMP = 5.0
+"""The step over the seam may be this many times the largest other step between two rows."""
+
+FEWEST = 3
+"""Waypoints that a cycle needs at least."""
+
+
+class Waypoints(NamedTuple):
+    """The knots of one cycle, without a repeated first row at the end."""
+
+    phase: np.ndarray
+    """When each is passed, in cycles, from 0 to below 1 (N,)."""
+    x: np.ndarray
+    """The waypoints (N, m) [m, rad]."""
+
+    def spline(self) -> CubicSpline:
+        """The closed curve x(phase), with continuous first and second derivatives."""
+        # Imported here: no other motion needs it, and it takes longer than the rest of the start.
+        from scipy.interpolate import CubicSpline
+
+        closed = np.vstack([self.x, self.x[:1]])
+        return CubicSpline(np.append(self.phase, 1.0), closed, bc_type="periodic")
+
+
+def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoints:
+    """Read and check a CSV of waypoints.
+
+    A header names the columns: each of the task's positions, its rotation if the tool is to turn,
+    and `t` [s] or `phase` [cycles] if the rows are not equally spaced over the cycle; without a
+    header the columns are the task's coordinates in order. The cycle begins with the first row.
+    A last row that repeats the first closes the cycle; without one, the curve goes on to the first.
+    Lines that begin with # are comments.
+
+    Args:
+        file: path of the CSV.
+        axes: the task's coordinates, in whose order the waypoints are returned.
+        period: cycle time [s].
+        name: how messages call the motion.
+
+    Raises:
+        ExperimentError: the file cannot be read, or a row, a column or the seam is not valid.
+    """
+    where = f"{name}: {file}"
+    lines = _lines(file, name)
+    if not lines:
+        raise ExperimentError(f"{where}: has no rows; at least {FEWEST} waypoints are needed")
+    first, cells = lines[0]
+    if any(_is_number(cell) for cell in cells):
+        columns = _in_order(cells, axes, f"{where}: line {first}")
+    else:
+        columns = _header(cells, axes, f"{where}: line {first}")
+        lines = lines[1:]
+    rows = np.array([_row(cells, columns, f"{where}: line {at}") for at, cells in lines])
+    if len(rows) < FEWEST:
+        rows_are = "is 1 row" if len(rows) == 1 else f"are {len(rows)} rows"
+        raise ExperimentError(
+            f"{where}: there {rows_are} of numbers; at least {FEWEST} waypoints are needed"
+        )
+    numbers = [at for at, _ in lines]
+    x = np.zeros((len(rows), len(axes)))
+    for j, axis in enumerate(axes):
+        if axis in columns:
+            x[:, j] = rows[:, columns.index(axis)]
+    clock = next((column for column in ("t", "phase") if column in columns), None)
+    if clock is None:
+        repeats = bool(np.abs(x[-1] - x[0]).max() <= 1e-6 * _largest_step(x))
+        x = x[:-1] if repeats else x
+        phase = np.arange(len(x)) / len(x)
+    else:
+        cycle = period if clock == "t" else 1.0
+        time = rows[:, columns.index(clock)]
+        repeats = _check_clock(time, clock, cycle, numbers, where)
+        if repeats:
+            _check_repeats(x, axes, clock, cycle, f"{where}: line {numbers[-1]}")
+            time, x = time[:-1], x[:-1]
+        phase = (time - time[0]) / cycle
+    if len(x) < FEWEST:
+        raise ExperimentError(
+            f"{where}: there are {len(x)} rows besides the last, which repeats the first; at least "
+            f"{FEWEST} waypoints are needed"
+        )
+    _check_seam(x, axes, f"{where}: line {numbers[-2 if repeats else -1]}")
+    return Waypoints(phase, x)
+
+
+def _lines(file: str, name: str) -> list[tuple[int, list[str]]]:
+    """Number and cells of each line that is no comment, up to the last that is not empty."""
+    try:
+        # utf-8-sig: spreadsheets begin their files with a byte order mark.
+        text = Path(file).read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise ExperimentError(
+            f"{name}: file = {file!r}: no such file; give the path of a CSV of waypoints, absolute "
+            "or from the experiment's own folder"
+        ) from None
+    except UnicodeDecodeError as error:
+        raise ExperimentError(
+            f"{name}: {file}: byte {error.start + 1} is not UTF-8; save it as a CSV in UTF-8"
+        ) from None
+    except OSError as error:
+        reason = error.strerror or error
+        raise ExperimentError(f"{name}: file = {file!r}: cannot be read: {reason}") from None
+    lines: list[tuple[int, list[str]]] = []
+    empty: int | None = None
+    for at, line in enumerate(text.splitlines(), start=1):
+        if line.startswith("#"):
+            continue
+        cells = [cell.strip().strip('"').strip() for cell in line.split(",")]
+        if cells == [""]:
+            empty = empty or (at if lines else None)
+            continue
+        if empty is not None:
+            raise ExperimentError(
+                f"{name}: {file}: line {empty} is empty, between rows: a gap; give its waypoint, "
+                "or take the line out"
+            )
+        lines.append((at, cells))
+    return lines
+
+
+def _header(cells: list[str], axes: tuple[str, ...], where: str) -> list[str]:
+    position = [axis for axis in axes if axis in "xyz"]
+    valid = ["t", "phase", *axes]
+    for cell in cells:
+        if cell not in valid:
+            raise ExperimentError(
+                f"{where}: unknown column {cell!r}; valid columns, separated by commas, are "
+                f"{', '.join(valid)}"
+            )
+        if cells.count(cell) > 1:
+            raise ExperimentError(f"{where}: column {cell} appears twice; once is valid")
+    if "t" in cells and "phase" in cells:
+        raise ExperimentError(
+            f"{where}: columns t and phase are both given; give t [s] or phase [cycles]"
+        )
+    turns = [axis for axis in axes if axis not in position]
+    needed = axes if any(axis in cells for axis in turns) else position
+    for axis in needed:
+        if axis not in cells:
+            raise ExperimentError(
+                f"{where}: column {axis} is missing, there are {', '.join(cells)}; the task needs "
+                f"{', '.join(needed)}"
+            )
+    return cells
+
+
+def _in_order(cells: list[str], axes: tuple[str, ...], where: str) -> list[str]:
+    position = [axis for axis in axes if axis in "xyz"]
+    for columns in (list(axes), position):
+        if len(cells) == len(columns):
+            return columns
+    or_more = f", or {len(axes)}: {', '.join(axes)}" if len(axes) > len(position) else ""
+    raise ExperimentError(
+        f"{where}: has {len(cells)} columns and the file no header; without one {len(position)} "
+        f"are needed, separated by commas: {', '.join(position)}{or_more}"
+    )
+
+
+def _row(cells: list[str], columns: list[str], where: str) -> list[float]:
+    if len(cells) != len(columns):
+        raise ExperimentError(
+            f"{where}: has {len(cells)} columns; {len(columns)} are needed, separated by commas: "
+            f"{', '.join(columns)}"
+        )
+    values = []
+    for cell, column in zip(cells, columns, strict=True):
+        unit = {"t": "s", "phase": "cycles"}.get(column, "m" if column in "xyz" else "rad")
+        at = f"{where}, column {column}"
+        if not cell:
+            raise ExperimentError(f"{at}: empty, a gap; a number in {unit} is needed")
+        if not _is_number(cell):
+            raise ExperimentError(f"{at} = {cell!r}: not a number; a number in {unit} is needed")
+        if not math.isfinite(float(cell)):
+            raise ExperimentError(f"{at} = {cell}: a gap; a finite number in {unit} is needed")
+        values.append(float(cell))
+    return values
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _check_clock(
+    time: np.ndarray, clock: str, cycle: float, numbers: list[int], where: str
+) -> bool:
+    """Check that the rows' times fit into a cycle, and say whether the last closes it."""
+    unit = "s" if clock == "t" else "cycles"
+    steps = np.diff(time)
+    if steps.min() <= 0:
+        i = int(np.argmin(steps > 0))
+        raise ExperimentError(
+            f"{where}: line {numbers[i + 1]}, column {clock} = {time[i + 1]:g}: not after the "
+            f"{time[i]:g} {unit} of the row before; increasing times are needed"
+        )
+    span = time[-1] - time[0]
+    another = "; for times in shares of the cycle call the column phase" if clock == "t" else ""
+    at = f"{where}: line {numbers[-1]}, column {clock} = {time[-1]:g}"
+    if span > cycle * (1 + 1e-6):
+        raise ExperimentError(
+            f"{at}: {span:g} {unit} after the first row, and a cycle has {cycle:g} {unit}; at most "
+            f"{time[0] + cycle:g} is valid{another}"
+        )
+    if span >= cycle * (1 - 1e-6):
+        return True
+    if cycle - span > JUMP * steps.max() * (1 + 1e-9):
+        raise ExperimentError(
+            f"{at}: then {cycle - span:g} {unit} without a row up to the end of the cycle of "
+            f"{cycle:g} {unit}, more than {JUMP:g} times the longest of the other steps, "
+            f"{steps.max():g} {unit}: a gap; give rows up to {time[0] + cycle:g} {unit}{another}"
+        )
+    return False
+
+
+def _check_repeats(
+    x: np.ndarray, axes: tuple[str, ...], clock: str, cycle: float, where: str
+) -> None:
+    for j, axis in enumerate(axes):
+        unit = "m" if axis in "xyz" else "rad"
+        if abs(x[-1, j] - x[0, j]) > 1e-6 * _largest_step(x):
+            at = f"{cycle:g} {'s' if clock == 't' else 'cycle'}"
+            raise ExperimentError(
+                f"{where}, column {axis} = {x[-1, j]:g}: a jump at the seam: this row is one cycle "
+                f"({at}) after the first and must repeat it, {axis} = {x[0, j]:g} {unit}"
+            )
+
+
+def _check_seam(x: np.ndarray, axes: tuple[str, ...], where: str) -> None:
+    """Raise where the way from the last row to the first is much longer than any other."""
+    is_position = np.array([axis in "xyz" for axis in axes])
+    for kind, unit, chosen in (("position", "m", is_position), ("rotation", "rad", ~is_position)):
+        part = x[:, chosen]
+        seam = float(np.linalg.norm(part[-1] - part[0]))
+        largest = _largest_step(part)
+        if seam > JUMP * largest * (1 + 1e-9):
+            point = ", ".join(
+                f"{axis} = {value:g}" for axis, value in zip(axes, x[-1], strict=True)
+            )
+            raise ExperimentError(
+                f"{where}, {point}: a jump at the seam: from this last row to the first the "
+                f"{kind} changes by {seam:.3g} {unit}, and between other rows by at most "
+                f"{largest:.3g} {unit}; at most {JUMP:g} times that is valid: give the rows that "
+                "lead back to the first"
+            )
+
+
+def _largest_step(x: np.ndarray) -> float:
+    """Largest distance between two rows that follow each other."""
+    return float(np.linalg.norm(np.diff(x, axis=0), axis=1).max(initial=0.0))

@@ -1,0 +1,1 @@
+"""A run and its figures: what simulation gives and everything else reads."""

@@ -1,0 +1,144 @@
+"""A run: labelled arrays with units, how it ended, a summary; saved to a folder and loaded."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+import sys
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from ..errors import OutputError
+from ..experiments.experiment import Experiment, load
+from ..files import replacing, writable
+from ..status import Status
+from . import metrics
+
+
+def versions() -> dict[str, str]:
+    """Versions of this package and of those whose arithmetic a run depends on."""
+    found = {
+        "python": platform.python_version(),
+        "platform": f"{sys.platform}-{platform.machine()}",
+    }
+    for name in ("resonance-mj", "mujoco", "numpy", "numba", "xarray"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+@dataclass(frozen=True)
+class Run:
+    """One simulated experiment.
+
+    Attributes:
+        experiment: what was simulated.
+        status: how it ended.
+        message: why, and what to try; empty if all went well.
+        notes: what was found, changed or is doubtful, a line each.
+        data: dims time | cycle | segment, joint, axis; every variable has units. Per time: q, dq,
+            x, x_desired, tau, u, y, stiffness, offset, equilibrium, center, tau_optimal. Per cycle:
+            torque_squared, tracking_rms, stiffness_per_cycle, offset_per_cycle. Per motion: the
+            optimum. `data.attrs["thinned"]` is 1 if only some cycles' samples were kept;
+            `cycle_of_sample` says which.
+        steps: time steps simulated.
+        simulation_wall_s: wall time of the simulation alone [s].
+        versions: of the packages that made it.
+    """
+
+    experiment: Experiment
+    status: Status
+    message: str
+    data: xr.Dataset
+    steps: int
+    simulation_wall_s: float
+    notes: tuple[str, ...] = ()
+    versions: dict[str, str] = field(default_factory=versions)
+
+    def summary(self) -> dict[str, Any]:
+        """The dict that is written as summary.json."""
+        return {
+            "name": self.experiment.name,
+            "status": str(self.status),
+            "message": self.message,
+            "notes": list(self.notes),
+            "versions": self.versions,
+            "steps": self.steps,
+            "simulation_wall_s": self.simulation_wall_s,
+            "segments": metrics.segments(self.data),
+        }
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Write run.nc, summary.json and experiment.toml into `folder`, which is made if needed.
+
+        Each file is complete before it takes its name.
+
+        Raises:
+            OutputError: the folder cannot be written.
+        """
+        folder = writable(folder)
+        with replacing(folder / "run.nc") as path:
+            data = self.data.assign_attrs(
+                title=f"resonance-mj run {self.experiment.name}",
+                status=str(self.status),
+                message=self.message,
+                notes=json.dumps(self.notes),
+                steps=self.steps,
+                simulation_wall_s=self.simulation_wall_s,
+                versions=json.dumps(self.versions),
+            )
+            data.to_netcdf(path, engine="h5netcdf")
+        with replacing(folder / "summary.json") as path:
+            path.write_text(json.dumps(_finite(self.summary()), indent=2) + "\n", encoding="utf-8")
+        with replacing(folder / "experiment.toml") as path:
+            made_by = "".join(f"# {name} {number}\n" for name, number in self.versions.items())
+            path.write_text(
+                f"# The experiment as it was run, with every default filled in.\n{made_by}\n"
+                + self.experiment.to_toml(),
+                encoding="utf-8",
+            )
+        return folder
+
+    @staticmethod
+    def load(folder: str | os.PathLike[str]) -> Run:
+        """Read what `save` wrote.
+
+        Raises:
+            OutputError: the folder does not hold a run.
+        """
+        folder = Path(folder)
+        path = folder / "run.nc"
+        if not path.is_file():
+            raise OutputError(f"{folder}: holds no run: there is no {path.name} in it")
+        try:
+            data = xr.load_dataset(path, engine="h5netcdf")
+            attributes, data.attrs = data.attrs, {}
+            return Run(
+                experiment=load(folder / "experiment.toml"),
+                status=Status(attributes.pop("status")),
+                message=str(attributes.pop("message")),
+                notes=tuple(json.loads(attributes.pop("notes"))),
+                steps=int(attributes.pop("steps")),
+                simulation_wall_s=float(attributes.pop("simulation_wall_s")),
+                versions=json.loads(attributes.pop("versions")),
+                data=data.assign_attrs(thinned=int(attributes.pop("thinned"))),
+            )
+        except (OSError, KeyError, ValueError) as error:
+            raise OutputError(f"{path}: is not a run of this program: {error}") from None
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinity and no NaN: they become null."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

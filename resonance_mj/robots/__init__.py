@@ -1,0 +1,1 @@
+"""An MJCF file becomes an arm that the law can drive."""

@@ -1,0 +1,285 @@
+"""An MJCF becomes a robot: tunable joint springs, torque motors, a tool; names looked up once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from ..errors import ExperimentError, RobotError
+from ..experiments.experiment import Experiment
+from ..laws.memory import Layout
+from . import home as homes
+from . import mjcf, payload
+
+AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
+
+INTEGRATORS = {
+    "Euler": mujoco.mjtIntegrator.mjINT_EULER,
+    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+    "RK4": mujoco.mjtIntegrator.mjINT_RK4,
+}
+
+
+@dataclass(frozen=True)
+class Robot:
+    """An arm whose joints, from the world to the tool, have a spring and a torque motor each.
+
+    Attributes:
+        model: the compiled model, with room for the controller in `userdata`.
+        joints: names of the joints, from the base to the tool (n).
+        joint_id: their ids (n,).
+        qpos_address: their addresses in qpos (n,).
+        dof_address: their addresses in qvel (n,).
+        actuator_id: the motor of each (n,).
+        site: id of the tool's site.
+        axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
+        coordinate: their numbers, 0 to 5 (m,).
+        position: of the tool at home (3,) [m].
+        orientation: of the tool at home (3, 3).
+        payload: id of the body that is the tool's payload; None if it never carries one.
+        torque_limit: least and greatest torque of each motor (n, 2) [N m].
+        home: joint angles at the start (n,) [rad].
+        qpos: the whole model's qpos at the start (nq,).
+        inertia: inertia matrix at home (n, n) [kg m^2].
+        jacobian: of the task's coordinates at home (m, n) [m/rad].
+        usual: manipulability sqrt(det J Jᵀ) of the task's Jacobian at home.
+        notes: what was chosen and changed when the robot was loaded, a line each.
+        layout: sizes of the controller's block.
+    """
+
+    model: mujoco.MjModel
+    joints: tuple[str, ...]
+    joint_id: np.ndarray
+    qpos_address: np.ndarray
+    dof_address: np.ndarray
+    actuator_id: np.ndarray
+    site: int
+    payload: int | None
+    axes: tuple[str, ...]
+    coordinate: np.ndarray
+    position: np.ndarray
+    orientation: np.ndarray
+    torque_limit: np.ndarray
+    home: np.ndarray
+    qpos: np.ndarray
+    inertia: np.ndarray
+    jacobian: np.ndarray
+    usual: float
+    notes: tuple[str, ...]
+    layout: Layout
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joints)
+
+    @property
+    def m(self) -> int:
+        """Number of task coordinates."""
+        return len(self.coordinate)
+
+    def carrying(self, mass: float) -> Robot:
+        """The robot with a payload at its tool [kg]; with a model of its own if it ever has one."""
+        if self.payload is None:
+            return self
+        return replace(self, model=payload.carrying(self.model, self.payload, mass))
+
+    @property
+    def slides(self) -> np.ndarray:
+        """1 for each slide joint, 0 for each hinge (n,)."""
+        return (self.model.jnt_type[self.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)).astype(int)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether the task has rotation, its last three coordinates."""
+        return self.axes[-1] == "rz"
+
+    @property
+    def position_axes(self) -> tuple[str, ...]:
+        """The task's coordinates without rotation."""
+        return self.axes[:-3] if self.rotates else self.axes
+
+
+def build(experiment: Experiment) -> Robot:
+    """Load an experiment's MJCF and find the arm in it.
+
+    The file is not changed: gravity, time step, integrator and room in `userdata` are set on a
+    copy in memory.
+
+    Raises:
+        ExperimentError: a list in the experiment is not as long as the arm or the task needs.
+        RobotError: the file is missing, MuJoCo rejects it, or the arm is not one that the law can
+            drive; the message names the file and the element.
+    """
+    given = experiment.robot
+    path = mjcf.find(given.mjcf)
+    arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
+    spec, joints, notes = arm.spec, arm.joints, list(arm.notes)
+    spec.option.timestep = experiment.simulation.timestep
+    spec.option.integrator = INTEGRATORS[experiment.simulation.integrator]
+    if experiment.simulation.gravity is not None:
+        spec.option.gravity = experiment.simulation.gravity
+    # A reset would wipe the record of a run that diverges; the controller detects it first.
+    disabled = mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    if not given.contacts:
+        disabled |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    if not given.limits:
+        disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    spec.option.disableflags |= disabled
+    carries = any(motion.payload > 0 for motion in experiment.motion)
+    if carries:
+        # The payload's body must not be made one with the tool's.
+        spec.compiler.fusestatic = False
+    model = mjcf.compile_spec(spec, path)
+    joint_id = np.array([model.joint(name).id for name in joints])
+    site = int(model.site(arm.tool).id)
+    home = _home(experiment, arm, model, joint_id, site, path, notes)
+    qpos = model.qpos0.copy()
+    qpos[model.jnt_qposadr[joint_id]] = home
+    jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
+    axes = _axes(experiment, jacobian, path, notes)
+    _check_lengths(experiment, joints, axes, path)
+    if len(axes) > len(joints):
+        raise RobotError(
+            f"{path}: the task has {len(axes)} coordinates ({', '.join(axes)}) and the arm "
+            f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
+            "joints"
+        )
+    coordinate = np.array([AXES[axis] for axis in axes])
+    J = jacobian[coordinate]
+    layout = Layout(
+        joints=len(joints),
+        coordinates=len(axes),
+        dofs=model.nv,
+        steps=max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion),
+        parameters=len(experiment.law.parameters),
+    )
+    actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
+    limits = np.where(
+        model.actuator_ctrllimited[actuator_id, None].astype(bool),
+        model.actuator_ctrlrange[actuator_id],
+        [-np.inf, np.inf],
+    )
+    spec.nuserdata = model.nuserdata + layout.size
+    load = payload.add(spec, arm.tool, model) if carries else None
+    model = mjcf.compile_spec(spec, path)
+    return Robot(
+        model=model,
+        joints=joints,
+        joint_id=joint_id,
+        qpos_address=model.jnt_qposadr[joint_id].copy(),
+        dof_address=model.jnt_dofadr[joint_id].copy(),
+        actuator_id=actuator_id,
+        site=site,
+        payload=None if load is None else int(model.body(load).id),
+        axes=axes,
+        coordinate=coordinate,
+        position=position,
+        orientation=orientation,
+        torque_limit=limits,
+        home=home,
+        qpos=qpos,
+        inertia=inertia,
+        jacobian=J,
+        usual=float(np.sqrt(max(np.linalg.det(J @ J.T), 0.0))),
+        notes=tuple(notes),
+        layout=layout,
+    )
+
+
+def _axes(
+    experiment: Experiment, jacobian: np.ndarray, path: Path, notes: list[str]
+) -> tuple[str, ...]:
+    """The task's coordinates; if not given, the positions that the arm controls at home."""
+    given = experiment.task.coordinates
+    if given is not None:
+        return tuple(
+            axis
+            for name in given
+            for axis in (("rx", "ry", "rz") if name == "rotation" else (name,))
+        )
+    # One arm moves in x and z, another in all three: take the axes in turn, and leave out one that
+    # moves only as the others make it.
+    size = np.linalg.norm(jacobian[:3])
+    found: list[str] = []
+    for axis in "xzy":
+        rows = jacobian[[AXES[name] for name in (*found, axis)]]
+        enough = len(rows) <= jacobian.shape[1]
+        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
+            found.append(axis)
+    if not found:
+        raise RobotError(f"{path}: the tool cannot be moved from the home pose")
+    axes = tuple(sorted(found))
+    notes.append(f"task: position in {', '.join(axes)}, which the arm controls at home")
+    return axes
+
+
+def _check_lengths(
+    experiment: Experiment, joints: tuple[str, ...], axes: tuple[str, ...], path: Path
+) -> None:
+    """Raise where an experiment gives a list that is not as long as the arm or the task."""
+    law, bounds = experiment.law, experiment.springs
+    position = tuple(axis for axis in axes if axis in "xyz")
+    lists = [
+        ("law.k_v", law.k_v, "coordinate", axes),
+        ("law.k_p", law.k_p, "coordinate", axes),
+        ("law.gamma_k", law.gamma_k, "joint", joints),
+        ("law.gamma_qe", law.gamma_qe, "joint", joints),
+        ("law.q_c", law.q_c, "joint", joints),
+        ("law.q_s", law.q_s, "joint", joints),
+        ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
+        ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),
+    ]
+    for index, motion in enumerate(experiment.motion):
+        lists.append((f"motion.{index}.offset", motion.offset, "coordinate", axes))
+        lists.append((f"motion.{index}.center", motion.center, "coordinate", position))
+    for key, value, each, names in lists:
+        if isinstance(value, tuple) and len(value) != len(names):
+            raise ExperimentError(
+                f"experiment {experiment.name!r}: {key} = {list(value)} has {len(value)} numbers; "
+                f"{len(names)} are needed, one per {each} of {path.name}: {', '.join(names)}"
+            )
+
+
+def _home(
+    experiment: Experiment,
+    arm: mjcf.Arm,
+    model: mujoco.MjModel,
+    joint_id: np.ndarray,
+    site: int,
+    path: Path,
+    notes: list[str],
+) -> np.ndarray:
+    given = experiment.robot.home
+    if isinstance(given, tuple):
+        if len(given) != len(joint_id):
+            raise RobotError(
+                f"{path}: robot.home has {len(given)} angles and the arm has {len(joint_id)} "
+                f"joints ({', '.join(arm.joints)})"
+            )
+        return np.asarray(given, float)
+    if arm.home is not None:
+        if given is None:
+            notes.append("home: the keyframe 'home'")
+        return arm.home
+    found = homes.find(model, joint_id, site)
+    notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}")
+    return found
+
+
+def _at_home(
+    model: mujoco.MjModel, qpos: np.ndarray, joint_id: np.ndarray, site: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Jacobian (6, n), the tool's position (3,) and orientation (3, 3), inertia matrix (n, n)."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    dofs = model.jnt_dofadr[joint_id]
+    jacobian, full = np.zeros((6, model.nv)), np.zeros((model.nv, model.nv))
+    mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], site)
+    mujoco.mj_fullM(model, data, full)
+    place, turn = data.site_xpos[site].copy(), data.site_xmat[site].reshape(3, 3).copy()
+    return jacobian[:, dofs], place, turn, full[np.ix_(dofs, dofs)]

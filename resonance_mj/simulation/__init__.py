@@ -1,0 +1,1 @@
+"""Experiments through MuJoCo's integrator."""

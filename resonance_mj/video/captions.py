@@ -1,0 +1,132 @@
+"""Words in the picture: the line above the scene, and what the overlays mean at its foot."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from .look import MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO, TOOL, Look, rgb
+from .shot import Shot
+
+# Matplotlib brings the fonts of the plots; it need not be imported for them.
+_FONTS = Path(str(find_spec("matplotlib").origin)).parent / "mpl-data" / "fonts" / "ttf"  # type: ignore[union-attr]
+
+
+class HeadUp:
+    """Writes the line of a shot.
+
+    Args:
+        shot: what is filmed.
+        look: its colours and height.
+        width: of the picture [pixels].
+    """
+
+    def __init__(self, shot: Shot, look: Look, width: int) -> None:
+        self._shot, self._ink, self._paper = shot, look.ink, look.paper
+        size = max(11, round(look.size[1] / 38))
+        widest = self._fields(int(np.argmax(np.char.str_len(shot.cycle.astype(str)))))
+        while size > 8 and sum(_width(size, text) for text in widest) + size * 9 > width:
+            size -= 1
+        self._size, self._width = size, width
+        self.height = round(1.9 * size)
+        # Fields stand still while their numbers change.
+        starts = np.cumsum([0.0] + [_width(size, text) + 1.6 * size for text in widest])
+        self._starts = starts[:-1] + 0.6 * size
+
+    def draw(self, picture: np.ndarray, frame: int) -> None:
+        """Write a frame's line into the first rows of `picture` (·, width, 3 or 4)."""
+        band = Image.new("RGB", (self._width, self.height), self._paper)
+        pen = ImageDraw.Draw(band)
+        fields = self._fields(int(self._shot.sample[frame]))
+        for index, (x, text) in enumerate(zip(self._starts, fields, strict=True)):
+            font = _font(self._size, bold=index == 0)
+            pen.text((x, self.height / 2), text, fill=self._ink, font=font, anchor="lm")
+        picture[: self.height, :, :3] = np.asarray(band)
+        picture[: self.height, :, 3:] = 255
+
+    def _fields(self, sample: int) -> list[str]:
+        shot = self._shot
+        reduction, best = shot.reduction[sample], shot.best[sample]
+        found = "     –  " if np.isnan(reduction) else f"{-100 * reduction:+6.1f} %"
+        return [
+            shot.label,
+            f"{shot.time[sample]:6.2f} s",
+            f"cycle {shot.cycle[sample]:>3d}",
+            _signed(f"motor torque² {found} (best {-100 * best:+.1f} %)"),
+            f"tracking error {1e3 * shot.error[sample]:6.2f} mm",
+        ]
+
+
+class Legend:
+    """What the overlays mean, as a line at the foot of the scene.
+
+    Args:
+        look: which overlays there are.
+        width: of the picture [pixels].
+    """
+
+    def __init__(self, look: Look, width: int) -> None:
+        items: list[tuple[tuple[str, ...], str]] = []
+        if look.path:
+            items.append(((look.ink, "", look.ink), "desired path"))
+        if look.trail:
+            items.append(((TOOL,), "tool"))
+        if look.springs:
+            ramp = (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
+            items.append((ramp, "spring torque −, 0, +; thick: stiff, dashed: k < 0"))
+            items.append(((look.ink,), "equilibrium"))
+        if look.motors:
+            items.append(((MOTOR,), "motor torque"))
+        if not look.legend:
+            items.clear()
+        size = max(8, round(look.size[1] / 52))
+        while size > 8 and _line(size, items) > width:
+            size -= 1
+        line = Image.new("RGBA", (width, round(1.7 * size) if items else 0), (0, 0, 0, 0))
+        pen = ImageDraw.Draw(line)
+        x, y = 0.8 * size, line.height / 2
+        if items:
+            paper = (*(round(255 * part) for part in rgb(look.paper)), 175)
+            pen.rectangle((0, 0, min(_line(size, items), width), line.height), fill=paper)
+        for colours, text in items:
+            for shade in colours:
+                if shade:
+                    pen.rectangle((x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size), fill=shade)
+                x += 0.7 * size
+            pen.text((x + 0.4 * size, y), text, look.ink, font=_font(size), anchor="lm")
+            x += _font(size).getlength(text) + 1.8 * size
+        drawn = np.asarray(line).astype(np.uint16)
+        self._alpha = drawn[..., 3:]
+        self._colour = drawn[..., :3] * self._alpha
+
+    def draw(self, picture: np.ndarray) -> None:
+        """Draw the line into the last rows of `picture` (·, width, 3 or 4)."""
+        foot = picture[len(picture) - len(self._alpha) :]
+        behind = foot[..., :3] * (255 - self._alpha)
+        foot[..., :3] = (behind + self._colour) // 255
+        np.maximum(foot[..., 3:], self._alpha.astype(np.uint8), out=foot[..., 3:])
+
+
+def _line(size: int, items: list[tuple[tuple[str, ...], str]]) -> float:
+    """Width of the legend [pixels]."""
+    font = _font(size)
+    return sum(size * (0.7 * len(c) + 1.8) + font.getlength(text) for c, text in items)
+
+
+def _signed(text: str) -> str:
+    """A minus as wide as a plus, so that lines stand still."""
+    return text.replace("-", "−")
+
+
+@cache
+def _font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(str(_FONTS / name), size)
+
+
+def _width(size: int, text: str) -> float:
+    return _font(size, bold=True).getlength(text)

@@ -1,0 +1,183 @@
+"""A run becomes a video: processes draw its frames, and they are encoded in order."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import PictureError
+from ..files import could_be_written
+from ..results.run import Run
+from . import encoding, gl, plots
+from . import shot as shots
+from .filming import READY, WRONG, Job
+from .look import Look
+
+Progress = Callable[[int, int], None]
+
+
+def render(
+    run: Run | Sequence[Run],
+    path: str | os.PathLike[str],
+    start: float | str | None = None,
+    stop: float | str | None = None,
+    fps: float = 30.0,
+    *,
+    speed: float = 1.0,
+    look: Look | None = None,
+    labels: Sequence[str] | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    note: Callable[[str], None] | None = None,
+) -> Path:
+    """Film a run, or two or more side by side and in step.
+
+    Args:
+        run: the run or runs.
+        path: the video: .mp4 (H.264), .webp or .gif.
+        start: where it begins: seconds of the run, or a cycle such as "8c"; the run's start.
+        stop: where it ends: seconds, or a cycle such as "10c" with whose end it ends; the run's.
+        fps: frames per second.
+        speed: seconds of the run per second of video.
+        look: size, camera, background and what is drawn; all has defaults.
+        labels: what the picture calls each run; the experiments' names.
+        workers: processes that draw; one per core.
+        progress: is called with the number of frames done and that of all.
+        note: is called with each line that the user should know.
+
+    Returns:
+        The path of the video.
+
+    Raises:
+        PictureError: the span, the camera, the size or the format is not valid, or there is no
+            OpenGL to draw with.
+        OutputError: the file cannot be written; then there is none.
+        RobotError: the arm's MJCF is missing.
+    """
+    runs = (run,) if isinstance(run, Run) else tuple(run)
+    path, look, note = Path(path), look or Look(), note or (lambda line: None)
+    for name, value in (("fps", fps), ("speed", speed)):
+        if not 0 < value < float("inf"):
+            raise PictureError(f"{name} = {value:g}: it must be greater than 0")
+    if workers is not None and workers < 1:
+        raise PictureError(f"workers = {workers}: there must be at least 1")
+    encoding.check(path, look.background == "transparent")
+    could_be_written(path.parent)
+    if path.suffix.lower() == ".mp4" and (look.size[0] % 2 or look.size[1] % 2):
+        even = (look.size[0] + look.size[0] % 2, look.size[1] + look.size[1] % 2)
+        note(
+            f"size {look.size[0]}x{look.size[1]} is drawn as {even[0]}x{even[1]}: H.264 needs even"
+        )
+        look = replace(look, size=even)
+    spans = [shots.span(one, start, stop) for one in runs]
+    low, high = max(low for low, _ in spans), min(high for _, high in spans)
+    times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
+    names = tuple(labels or (one.experiment.name for one in runs))
+    columns = look.columns(len(runs))
+    taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
+    alike = len({shot.joints for shot in taken}) == 1
+    job = Job(
+        shots=taken,
+        strips=tuple(
+            plots.draw(one, look, right - left) if look.strip else None
+            for one, (left, right) in zip(runs, columns, strict=True)
+        ),
+        look=look,
+        scales=tuple(shots.scale(list(taken) if alike else [one]) for one in taken),
+        frames=range(len(times)),
+    )
+    pixels = bytearray(look.channels * look.size[0] * look.size[1])
+    count = min(workers or _cores(), len(times))
+    with (
+        _crew(job, count) as crew,
+        encoding.encoder(path, look.size, fps, look.channels) as encode,
+    ):
+        for frame in job.frames:
+            _read(crew[frame % count], memoryview(pixels))
+            encode(memoryview(pixels))
+            if progress:
+                progress(frame + 1, len(times))
+    return path
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
+    """Processes that draw every `count`-th frame each, with the first OpenGL that works."""
+    tried: dict[str, str] = {}
+    for backend in gl.backends():
+        crew = [
+            _start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)
+        ]
+        try:
+            answers = [_line(process) for process in crew]
+            if all(answer == READY for answer in answers):
+                yield crew
+                return
+            answer = next(answer for answer in answers if answer != READY)
+            kind, _, reason = answer.partition(": ")
+            if kind == WRONG:
+                raise PictureError(reason)
+            tried[backend or "default"] = reason
+        finally:
+            for process in crew:
+                process.kill()
+                _close(process)
+    raise PictureError(gl.missing(tried))
+
+
+def _close(process: subprocess.Popen[bytes]) -> None:
+    for pipe in (process.stdin, process.stdout):
+        # What was not sent to a process that has ended is not missed.
+        with suppress(BrokenPipeError):
+            pipe.close()  # type: ignore[union-attr]
+    process.wait()
+
+
+def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
+    environment = dict(os.environ)
+    if backend is not None:
+        environment["MUJOCO_GL"] = backend
+    if count > 1:
+        # Software OpenGL has threads of its own: the processes share the cores already.
+        environment.setdefault("LP_NUM_THREADS", "1")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "resonance_mj.video.filming"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment,
+    )
+    assert process.stdin is not None
+    # A process that has ended already says why.
+    with suppress(BrokenPipeError):
+        pickle.dump(job, process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+        process.stdin.flush()
+    return process
+
+
+def _line(process: subprocess.Popen[bytes]) -> str:
+    assert process.stdout is not None
+    return process.stdout.readline().decode(errors="replace").strip() or "the process ended"
+
+
+def _read(process: subprocess.Popen[bytes], pixels: memoryview) -> None:
+    """Fill `pixels` with the next frame of a process."""
+    assert process.stdout is not None
+    done = 0
+    while done < len(pixels):
+        got = process.stdout.readinto(pixels[done:])  # type: ignore[attr-defined]
+        if not got:
+            raise PictureError(f"a process that draws ended with status {process.wait()}")
+        done += got
