@@ -29,7 +29,7 @@ def interpreted_copy() -> None:
         ignored = shutil.ignore_patterns("__pycache__", *([] if name != "runs" else ["*.nc"]))
         shutil.copytree(ROOT / name, COPY / name, ignore=ignored)
     shutil.copy(ROOT / "pyproject.toml", COPY)
-    for path in (COPY / "resonance_mj").glob("*.py"):
+    for path in (COPY / "resonance_mj").rglob("*.py"):
         text = path.read_text(encoding="utf-8")
         path.write_text(text.replace(DECORATOR, ""), encoding="utf-8")
 
