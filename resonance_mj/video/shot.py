@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..errors import PictureError
-from ..experiments.experiment import Robot
+from ..experiments.sections import Robot
 
 if TYPE_CHECKING:
     from ..results.run import Run

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ..robots import mjcf
+from ..robots.compiling import compile_spec
 from . import tubes
 from .look import Look, rgb
 from .shot import Shot
@@ -40,7 +41,7 @@ def prepare(
     path = mjcf.find(given.mjcf)
     arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
     spec = arm.spec
-    model = mjcf.compile_spec(spec, path)
+    model = compile_spec(spec, path)
     if model.nlight == 0:
         _add_light(spec)
     floors = [geom for geom in spec.geoms if geom.type == _GEOM.mjGEOM_PLANE]
@@ -58,7 +59,7 @@ def prepare(
     buffer = spec.visual.global_
     buffer.offwidth = max(buffer.offwidth, size[0])
     buffer.offheight = max(buffer.offheight, size[1])
-    return mjcf.compile_spec(spec, path), arm.tool
+    return compile_spec(spec, path), arm.tool
 
 
 def lowest(model: mujoco.MjModel, shot: Shot) -> float:
