@@ -96,9 +96,7 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         name = TOOL_SITE
     at_home, has_key = _at_home(model, home, path)
     joints = tuple(model.joint(j).name for j in joint_ids)
-    limits = {
-        joint: motors.torque_limit(model, j) for joint, j in zip(joints, joint_ids, strict=True)
-    }
+    limits = [motors.torque_limit(model, j) for j in joint_ids]
     motors.keep_rotors(spec, model, joint_ids)
     clearing.take_out(spec, notes)
     poses.hold_off_chain(spec, model, at_home, joint_ids, path, notes)

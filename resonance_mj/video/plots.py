@@ -16,6 +16,16 @@ from .look import MEASURED, MUTED, OPTIMAL, Look
 from .strip import Strip
 
 
+def strips(runs: tuple[Run, ...], look: Look) -> tuple[Strip | None, ...]:
+    """The strip of each run of a picture; None where the look has none."""
+    if not look.strip:
+        return (None,) * len(runs)
+    columns = look.columns(len(runs))
+    return tuple(
+        draw(run, look, right - left) for run, (left, right) in zip(runs, columns, strict=True)
+    )
+
+
 def draw(run: Run, look: Look, width: int) -> Strip:
     """The strip of a run, `width` pixels wide and as high as the look has it."""
     height = look.strip_height
