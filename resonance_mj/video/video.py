@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ..errors import PictureError
 from ..files import could_be_written
+from ..forking import cores
 from ..results.run import Run
 from . import encoding, gl, plots
 from . import shot as shots
@@ -83,7 +84,7 @@ def render(
         frames=range(len(times)),
     )
     pixels = bytearray(look.channels * look.size[0] * look.size[1])
-    count = min(workers or _cores(), len(times))
+    count = min(workers or cores(), len(times))
     with (
         _crew(job, count) as crew,
         encoding.encoder(path, look.size, fps, look.channels) as encode,
@@ -104,13 +105,6 @@ def _even(look: Look, note: Callable[[str], None]) -> Look:
         return look
     note(f"size {width}x{height} is drawn as {even[0]}x{even[1]}: H.264 needs even")
     return replace(look, size=even)
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @contextmanager
