@@ -55,10 +55,8 @@ def prepare(
     spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
     for name, rings in overlays.items():
         _add_tube(spec, PREFIX + name, rings)
-    # A buffer is made larger where the picture needs it, and never smaller.
-    buffer = spec.visual.global_
-    buffer.offwidth = max(buffer.offwidth, size[0])
-    buffer.offheight = max(buffer.offheight, size[1])
+    # Each process that draws has the buffer in memory, several times: it is no larger than needed.
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = size
     return compile_spec(spec, path), arm.tool
 
 
