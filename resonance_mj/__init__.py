@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from .errors import ResonanceError
     from .experiments.claims import Certificate, Certificates
     from .experiments.experiment import Experiment, load
+    from .figures.plot import plot
     from .optimal_springs import Optimum, optimum
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
@@ -27,6 +28,7 @@ _HOMES = {
     "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
+    "plot": "figures.plot",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
@@ -48,6 +50,7 @@ __all__ = [
     "compare",
     "load",
     "optimum",
+    "plot",
     "render",
     "simulate",
     "simulate_many",

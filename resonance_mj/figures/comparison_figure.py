@@ -13,8 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from ..comparison.comparison import Comparison
+from ..palette import MUTED
 from ..results.run import Run, Status
-from .figures import MUTED, STYLE
+from .style import STYLE
 
 # Hues of Okabe and Ito, one for each family of laws; within a family the dashes differ.
 LINES: dict[str, tuple[str, Any, float]] = {
