@@ -88,6 +88,41 @@ FIGURES = (
         needs=SAMPLES,
         file="figure",
     ),
+    Entry(
+        name="cycles",
+        title="Torque² and tracking per cycle",
+        caption="Mean of τᵀτ over each cycle between that without springs and that of the optimal "
+        "constant springs, on a logarithmic scale, and the root mean square of the tracking error. "
+        "Vertical lines mark changes of motion, grey bands the passage into one; a diamond marks "
+        "the cycle from which torque² stays within 5 % of the optimum's.",
+        needs=CYCLE,
+    ),
+    Entry(
+        name="springs",
+        title="Torque over joint angle: what the springs took from the motors",
+        caption="Last recorded cycle of each motion. The loop is the torque that the motion needs, "
+        "spring and motor together; the line is the spring's share, k and the equilibrium angle qₑ "
+        "those of the line fitted to it, and the rest is left to the motor. Brief jumps of torque "
+        "may leave a panel.",
+        needs=RECORDED_CYCLE,
+    ),
+    Entry(
+        name="path",
+        title="Path of the tool",
+        caption="Desired path and where the tool went in the first cycle after the passage into "
+        "the motion and in the last recorded one, in the plane of the motion; beside it how far "
+        "the tool was from where it should be, and its rotation vector, over the cycle.",
+        needs=RECORDED_CYCLE,
+    ),
+    Entry(
+        name="convergence",
+        title="Convergence of several runs",
+        caption="Mean of τᵀτ over each cycle as a multiple of that of each run's own optimum, and "
+        "the root mean square of the tracking error. The band is within 5 % of the optimum; a "
+        "cross marks where a run diverged.",
+        needs=CYCLE,
+        several=True,
+    ),
 )
 """In the order in which they are shown."""
 

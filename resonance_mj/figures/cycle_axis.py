@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,6 +11,7 @@ from matplotlib.axes import Axes
 
 from ..experiments.experiment import Experiment
 from ..palette import MEASURED, MUTED, OPTIMAL
+from ..results.run import Run, Status
 from .style import LABEL_BOX, SMALL, breadth, counted, logarithmic
 from .text import fitting
 
@@ -43,14 +45,23 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
     counted(ax)
 
 
-def torque_squared(ax: Axes, data: xr.Dataset) -> None:
+def curve(ax: Axes, run: Run, values: np.ndarray, **style: Any) -> None:
+    """Draw a value of each whole cycle (cycles,); a cross marks where the run diverged."""
+    cycles = run.data["cycle"].values
+    (line,) = ax.plot(cycles, values, **{"marker": ".", "ms": 3.5, **style})
+    if run.status is Status.DIVERGED:
+        ax.plot(cycles[-1:], values[-1:], "x", color=line.get_color(), ms=6, mew=1.5)
+
+
+def torque_squared(ax: Axes, run: Run) -> None:
     """Torque² of each cycle, with the optimum's and that without springs of each motion."""
+    data = run.data
     for mine, one in of_motions(data):
         ends = (mine[0] - 0.5, mine[-1] + 0.5)
         without = float(one["torque_squared_without_springs"])
         ax.hlines(without, *ends, color=MUTED, linestyle=":")
         ax.hlines(float(one["torque_squared_optimal"]), *ends, color=OPTIMAL, linestyle="--")
-    ax.plot(data["cycle"].values, data["torque_squared"].values, "o-", ms=2, color=MEASURED)
+    curve(ax, run, data["torque_squared"].values, color=MEASURED)
     if not data.sizes["cycle"]:
         ax.text(0.5, 0.5, "no whole cycle", ha="center", color=MUTED, transform=ax.transAxes)
         return
@@ -86,6 +97,12 @@ def reductions(ax: Axes, data: xr.Dataset) -> None:
             fontsize=SMALL,
             bbox=LABEL_BOX,
         )
+
+
+def ratio(run: Run) -> np.ndarray:
+    """Torque² of each cycle as a multiple of the optimum's of its motion (cycles,)."""
+    optimal = run.data["torque_squared_optimal"].sel(segment=run.data["segment_of_cycle"])
+    return np.asarray(run.data["torque_squared"].values / optimal.values)
 
 
 def of_motions(data: xr.Dataset) -> Iterator[tuple[np.ndarray, xr.Dataset]]:

@@ -7,6 +7,8 @@ from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
 
+import xarray as xr
+
 from ..results.run import Run
 
 
@@ -33,6 +35,12 @@ def of_joint(text: str, slides: bool) -> str:
     if not slides:
         return text
     return text.replace("N m/rad", "N/m").replace("N m", "N").replace("rad", "m")
+
+
+def torque_squared_unit(data: xr.Dataset) -> str:
+    """Unit of τᵀτ, whose terms differ where some joints slide and others do not."""
+    slides = data["slides"].values.astype(bool)
+    return "N²" if slides.all() else "N² m² + N²" if slides.any() else "N² m²"
 
 
 def labels(runs: Sequence[Run]) -> list[str]:

@@ -13,18 +13,19 @@ from matplotlib.figure import Figure
 from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL
 from ..results.run import Run
 from . import cycle_axis
-from .naming import heading, letters, of_joint
+from .naming import heading, letters, of_joint, torque_squared_unit
 from .sheet import Row, Sheet
 from .sizes import PAGE
-from .style import LABEL_BOX, LINES, SMALL, STYLE, plain
+from .style import LABEL_BOX, LINES, SMALL, STYLE, breadth, plain
+from .text import fitting
 from .windows import Windows
 
 TITLES = {
     "x": ("tool position {} [m]", "{} [m]"),
     "rotation": ("tool rotation {} [rad]", "{} [rad]"),
-    "stiffness": ("stiffness k of {} [N m/rad]", "k of {} [N m/rad]", "k [N m/rad] {}"),
-    "offset": ("offset torque q̄ₑ of {} [N m]", "q̄ₑ of {} [N m]", "q̄ₑ [N m] {}"),
-    "tau": ("motor torque τ of {} [N m]", "τ of {} [N m]", "τ [N m] {}"),
+    "stiffness": ("stiffness k of {} [N m/rad]", "k of {} [N m/rad]", "k {} [N m/rad]"),
+    "offset": ("offset torque q̄ₑ of {} [N m]", "q̄ₑ of {} [N m]", "q̄ₑ {} [N m]"),
+    "tau": ("motor torque τ of {} [N m]", "τ of {} [N m]", "τ {} [N m]"),
 }
 """Wordings from long to short."""
 
@@ -53,12 +54,14 @@ def _draw(run: Run, width: float) -> Figure:
     places, rows, columns = _places(len(axes), len(joints), width)
     sheet = Sheet(width, rows, columns, heading=heading(run), legend=LINES)
     windows = Windows(data)
-    for letter, ((name, index), (row, column)) in zip(letters(), places.items(), strict=False):
+    names = letters()
+    for (name, index), (row, column) in places.items():
         ax = sheet.panel(row, column)
         of = axes[index] if name == "x" else joints[index]
         slides = name != "x" and bool(data["slides"].values[index])
         wordings = TITLES["rotation" if name == "x" and of.startswith("r") else name]
-        sheet.title(ax, *(of_joint(f"({letter}) {each.format(of)}", slides) for each in wordings))
+        letter = next(names)
+        sheet.title(ax, *(f"({letter}) {of_joint(each, slides).format(of)}" for each in wordings))
         one = data.sel(axis=of) if name == "x" else data.sel(joint=of)
         if name == "x":
             windows.plot(ax, data, one["x"], MEASURED, "-")
@@ -76,16 +79,11 @@ def _draw(run: Run, width: float) -> Figure:
             ax.set_xlabel("")
             ax.tick_params(labelbottom=False)
     ax = sheet.panel(len(rows) - 1, 0, columns)
-    sheet.title(ax, f"({letter_after(len(places))}) mean of τᵀτ per cycle [N² m²]")
-    cycle_axis.torque_squared(ax, data)
+    sheet.title(ax, f"({next(names)}) mean of τᵀτ per cycle [{torque_squared_unit(data)}]")
+    cycle_axis.torque_squared(ax, run)
     cycle_axis.motions(ax, run.experiment)
     cycle_axis.reductions(ax, data)
     return sheet.figure
-
-
-def letter_after(panels: int) -> str:
-    """The letter of the panel that follows so many."""
-    return [letter for letter, _ in zip(letters(), range(panels + 1), strict=False)][-1]
 
 
 def _places(
@@ -132,8 +130,9 @@ def _steady_limits(ax: Axes, data: xr.Dataset, one: xr.Dataset, unit: str) -> No
     largest = int(np.argmax(np.abs(signals[0])))
     peak, when = signals[0][largest], data["time"].values[largest]
     if not low - margin <= peak <= high + margin:
+        said = f"peak {peak:.3g} {unit}".replace("-", "−")
         ax.annotate(
-            f"peak {peak:.3g} {unit} at {when:.2f} s",
+            fitting([f"{said} at {when:.2f} s", said], SMALL, breadth(ax)),
             (0.01, 0.03),
             xycoords="axes fraction",
             color=MUTED,

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..palette import NOTE
 from .style import FONT, HEADING, SMALL, breadth
 from .text import fitting, width_of, wrapped
 
@@ -62,11 +63,10 @@ class Sheet:
         self._rows, self._left = rows, left
         self._across = (width - columns * left - RIGHT) / columns
         lines = wrapped(heading, HEADING, width - left - RIGHT)
-        legend = legend or {}
-        per_row = self._beside(legend, width - left - RIGHT)
+        entries = _packed(legend or {}, width - left - RIGHT)
         line, small = 1.35 * HEADING / 72, 1.6 * SMALL / 72
         words = EDGE + line * len(lines)
-        self._top = words + small * -(-len(legend) // per_row) + 0.04
+        self._top = words + small * len(entries) + 0.04
         height = self._top + sum(sum(row) for row in rows) + 0.05
         self.figure = Figure(figsize=(width, height))
         self.figure.suptitle(
@@ -77,50 +77,74 @@ class Sheet:
             va="top",
             fontsize=HEADING,
         )
-        if legend:
-            # Filled row by row: matplotlib fills a legend column by column.
-            order = [i for c in range(per_row) for i in range(c, len(legend), per_row)]
+        for number, row in enumerate(entries):
             self.figure.legend(
-                [list(legend.values())[i] for i in order],
-                [list(legend)[i] for i in order],
+                list(row.values()),
+                list(row),
                 loc="upper left",
-                bbox_to_anchor=(left / width, 1 - (words + 0.02) / height),
-                ncols=per_row,
+                bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * small) / height),
+                ncols=len(row),
                 borderaxespad=0,
                 borderpad=0,
-                labelspacing=0.35,
                 handlelength=HANDLE,
                 handletextpad=0.5,
                 columnspacing=GAP,
             )
 
-    def panel(self, row: int, column: int = 0, span: int = 1) -> Axes:
+    def panel(self, row: int, column: int = 0, span: int = 1, down: int = 1) -> Axes:
         """Axes in a row and a column.
 
         Args:
-            row: index of the row.
+            row: index of the (first) row.
             column: index of the (first) column.
             span: columns that it takes.
+            down: rows that it takes.
         """
         width, height = self.figure.get_size_inches()
         above = self._top + sum(sum(each) for each in self._rows[:row]) + self._rows[row].above
-        tall = self._rows[row].height
+        last = self._rows[row + down - 1]
+        tall = sum(sum(each) for each in self._rows[row : row + down])
+        tall -= self._rows[row].above + last.below
         left = self._left + column * (self._across + self._left)
         wide = span * self._across + (span - 1) * self._left
         return self.figure.add_axes(
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
 
-    def title(self, ax: Axes, *wordings: str) -> None:
-        """Write above a panel, in the longest wording that fits."""
+    def title(self, ax: Axes, *wordings: str, notes: Sequence[str] = ()) -> None:
+        """Write above a panel, in the longest wording that fits.
+
+        Args:
+            ax: the panel.
+            wordings: from long to short.
+            notes: lines in small letters between title and panel.
+        """
         room = breadth(ax) + self._left - 0.1  # the gap to the next panel, but for a space
         right = (1 - float(ax.get_position().x0)) * float(self.figure.get_size_inches()[0])
-        ax.set_title(fitting(wordings, FONT, min(room, right - 0.03)))
+        room = min(room, right - 0.03)
+        pitch = 1.35 * SMALL  # of the notes [pt]
+        ax.set_title(fitting(wordings, FONT, room), pad=4 + pitch * len(notes))
+        for line, note in enumerate(reversed(notes)):
+            ax.annotate(
+                fitting([note], SMALL, room),
+                (0, 1),
+                xytext=(0, 4 + pitch * line),
+                xycoords="axes fraction",
+                textcoords="offset points",
+                fontsize=SMALL,
+                color=NOTE,
+            )
 
-    @staticmethod
-    def _beside(legend: Mapping[str, Line2D], room: float) -> int:
-        """How many entries of a legend fit beside each other."""
-        size = SMALL / 72
-        each = [width_of(label, SMALL) + (HANDLE + 0.5 + GAP) * size for label in legend]
-        widest = max(each, default=0.0)
-        return max(1, min(len(legend), int((room + GAP * size) / widest) if widest else 1))
+
+def _packed(legend: Mapping[str, Line2D], room: float) -> list[dict[str, Line2D]]:
+    """The entries of a legend in rows, as many in each as there is room for [in]."""
+    rows: list[dict[str, Line2D]] = []
+    size, used = SMALL / 72, room
+    for label, line in legend.items():
+        wide = width_of(label, SMALL) + (HANDLE + 0.5) * size
+        if used + wide > room:
+            rows.append({})
+            used = 0.0
+        rows[-1][label] = line
+        used += wide + GAP * size
+    return rows

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL
+from .text import width_of
 
 FONT, SMALL, HEADING = 8.0, 7.0, 9.0
 """Sizes of titles and labels, of numbers at the axes and remarks, and of the heading [pt]."""
@@ -59,11 +60,33 @@ def logarithmic(ax: Axes) -> None:
     """A logarithmic ordinate whose ticks are plain numbers, two at least."""
     ax.set_yscale("log")
     low, high = ax.get_ylim()
-    near = high / low < 200  # decades alone would leave an axis without numbers
+    near = high / low < 400  # decades alone would leave an axis without numbers
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if near else (1.0,), numticks=7))
     ax.yaxis.set_major_formatter(FuncFormatter(_number))
     ax.yaxis.set_minor_locator(NullLocator())
     ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def like(line: Line2D) -> dict[str, Any]:
+    """Colour, dashes and width of a line in a legend, to draw what it means."""
+    return {
+        "color": line.get_color(),
+        "linestyle": line.get_linestyle(),
+        "linewidth": line.get_linewidth(),
+    }
+
+
+def abscissa(ax: Axes) -> None:
+    """An abscissa whose ticks are written in full, as many as do not touch."""
+    ax.xaxis.set_major_formatter(FuncFormatter(_number))
+    low, high = ax.get_xlim()
+    for nbins in (6, 5, 4, 3, 2, 1):
+        locator = MaxNLocator(nbins=nbins)
+        ticks = [tick for tick in locator.tick_values(low, high) if low <= tick <= high]
+        widest = max((width_of(_number(tick), SMALL) for tick in ticks), default=0.0)
+        if len(ticks) < 2 or breadth(ax) * (ticks[1] - ticks[0]) / (high - low) > widest + 0.08:
+            break
+    ax.xaxis.set_major_locator(locator)
 
 
 def breadth(ax: Axes) -> float:
@@ -79,7 +102,7 @@ def plain(ax: Axes, nbins: int = 4) -> None:
     ax.yaxis.set_major_formatter(FuncFormatter(_number))
 
 
-def _number(value: float, _: object) -> str:
+def _number(value: float, _: object = None) -> str:
     return f"{value:.6g}".replace("-", "−")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from textwrap import wrap
 
@@ -39,6 +39,20 @@ def fitting(candidates: Iterable[str], size: float, width: float) -> str:
     while len(text) > 1 and width_of(text + "…", size) > width:
         text = text[:-1]
     return text + "…"
+
+
+def naming(wordings: Iterable[str], name: str) -> Iterator[str]:
+    """Wordings with a name put in, and the last of them with ever less of the name.
+
+    Args:
+        wordings: from long to short, with {} for the name.
+        name: such as a joint's, which may be long.
+    """
+    wording = "{}"
+    for wording in wordings:
+        yield wording.format(name)
+    for length in range(len(name) - 1, 0, -1):
+        yield wording.format(name[:length] + "…")
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
