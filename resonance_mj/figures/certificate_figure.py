@@ -12,7 +12,7 @@ from ..experiments.claims import ROUNDING, Certificate, Certificates
 from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL, SERIES
 from .sheet import Row, Sheet
 from .sizes import PAGE
-from .style import STYLE
+from .style import SMALL, STYLE
 
 FAILING = OPTIMAL
 
