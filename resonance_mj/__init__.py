@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .experiments.claims import Certificate, Certificates
     from .experiments.experiment import Experiment
     from .experiments.loading import load
+    from .figures.plot import plot
     from .optimal_springs import Optimum, optimum
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
@@ -28,6 +29,7 @@ _HOMES = {
     "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
+    "plot": "figures.plot",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
@@ -49,6 +51,7 @@ __all__ = [
     "compare",
     "load",
     "optimum",
+    "plot",
     "render",
     "simulate",
     "simulate_many",
