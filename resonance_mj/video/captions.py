@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from ..palette import MEASURED, MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
+from ..palette import MEASURED, MOTOR, MUTED, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
 from .look import Look, rgb
 from .shot import Shot
 
@@ -96,7 +96,10 @@ class Legend:
         for colours, text in items:
             for shade in colours:
                 if shade:
-                    pen.rectangle((x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size), fill=shade)
+                    # The outline shows a swatch that is as bright as the paper.
+                    edge = MUTED if shade == SPRING_ZERO else shade
+                    box = (x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size)
+                    pen.rectangle(box, fill=shade, outline=edge)
                 x += 0.7 * size
             pen.text((x + 0.4 * size, y), text, look.ink, font=_font(size), anchor="lm")
             x += _font(size).getlength(text) + 1.8 * size
