@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .experiments.claims import Certificate, Certificates
     from .experiments.experiment import Experiment, load
     from .optimal_springs import Optimum, optimum
+    from .reports.report import report
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
     from .video.look import Look
@@ -27,6 +28,7 @@ _HOMES = {
     "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
+    "report": "reports.report",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
@@ -49,6 +51,7 @@ __all__ = [
     "load",
     "optimum",
     "render",
+    "report",
     "simulate",
     "simulate_many",
 ]
