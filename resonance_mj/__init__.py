@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from .errors import ResonanceError
     from .experiments.claims import Certificate, Certificates
     from .experiments.experiment import Experiment, load
+    from .figures.plot import plot
     from .optimal_springs import Optimum, optimum
     from .reports.report import report
     from .results.run import Run, Status
@@ -28,6 +29,7 @@ _HOMES = {
     "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
+    "plot": "figures.plot",
     "report": "reports.report",
     "Run": "results.run",
     "Status": "results.run",
@@ -50,6 +52,7 @@ __all__ = [
     "compare",
     "load",
     "optimum",
+    "plot",
     "render",
     "report",
     "simulate",

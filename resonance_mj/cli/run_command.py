@@ -44,9 +44,10 @@ def execute(options: argparse.Namespace) -> int:
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
     if run.data.sizes["time"]:
-        from ..figures import figures
+        from ..figures import overview, saving, sizes
 
-        written += [path.name for path in figures.save(figures.figure(run), folder)]
+        drawn = saving.save(overview.draw([run]), folder, "figure", dpi=sizes.DRAFT)
+        written += [path.name for path in drawn]
     screen.print(tables.summary(run))
     if options.certify:
         written += certify_command.certified(run, folder, screen)
@@ -69,7 +70,7 @@ def _simulate(experiment: Experiment, options: argparse.Namespace, console: Cons
 
     total = sum(motion.cycles for motion in experiment.motion)
     drawing = threading.Thread(
-        target=import_module, args=("resonance_mj.figures.figures",), daemon=True
+        target=import_module, args=("resonance_mj.figures.overview",), daemon=True
     )
     name = experiment.name
     with bar(f"{name}: preparing the law", "cycles", console, total, then=name) as show:

@@ -9,10 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from ..experiments.claims import ROUNDING, Certificate, Certificates
-from .figures import DESIRED, MEASURED, MUTED, OPTIMAL, STYLE
-
-JOINTS = (MEASURED, "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442")
-"""Okabe and Ito's palette, without the colour of what fails."""
+from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL, SERIES
+from .style import STYLE
 
 FAILING = OPTIMAL
 
@@ -66,7 +64,7 @@ def _orthogonality(ax: Axes, item: Certificate, found: Certificates) -> None:
     _title(ax, "share left over")
     values = np.maximum(item.values, NOTHING)
     for joint, name in enumerate(found.joints):
-        colour = JOINTS[joint % len(JOINTS)]
+        colour = SERIES[joint % len(SERIES)]
         ax.plot(item.cycles, values[:, joint], ".-", ms=3, color=colour, label=name)
     ax.axhline(ROUNDING, color=DESIRED, linestyle="--")
     ax.set_yscale("log")

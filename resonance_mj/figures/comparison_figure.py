@@ -13,8 +13,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from ..comparison.comparison import Comparison
-from ..results.run import Run, Status
-from .figures import MUTED, STYLE
+from ..palette import MUTED
+from ..results.run import Status
+from . import cycle_axis
+from .style import STYLE
 
 # Hues of Okabe and Ito, one for each family of laws; within a family the dashes differ.
 LINES: dict[str, tuple[str, Any, float]] = {
@@ -61,7 +63,7 @@ def _draw(comparison: Comparison) -> Figure:
     tracking.set_title("(b) tracking RMS per cycle [mm]")
     for name, run in comparison.runs.items():
         cycles = run.data["cycle"].values
-        _line(torque, name, cycles, ratio(run))
+        _line(torque, name, cycles, cycle_axis.ratio(run))
         _line(tracking, name, cycles, 1e3 * run.data["tracking_rms"].values)
     for ax in (torque, tracking):
         _motions(ax, comparison)
@@ -73,7 +75,7 @@ def _draw(comparison: Comparison) -> Figure:
         )
         for name, run in comparison.long.items():
             mine = (run.data["segment_of_cycle"] == run.data["segment"].values[-1]).values
-            values = ratio(run)[mine]
+            values = cycle_axis.ratio(run)[mine]
             _line(lasting, name, np.arange(1, len(values) + 1), values)
             if run.status is Status.DIVERGED and len(values):
                 lasting.plot(len(values), values[-1], "x", color=LINES[name][0], ms=7, mew=1.6)
@@ -98,12 +100,6 @@ def _draw(comparison: Comparison) -> Figure:
         fontsize=11,
     )
     return drawn
-
-
-def ratio(run: Run) -> np.ndarray:
-    """Torque² of each cycle as a multiple of the optimum's of its motion (cycles,)."""
-    optimal = run.data["torque_squared_optimal"].sel(segment=run.data["segment_of_cycle"])
-    return np.asarray(run.data["torque_squared"].values / optimal.values)
 
 
 def _line(ax: Axes, name: str, cycles: np.ndarray, values: np.ndarray) -> None:

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from .look import MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO, TOOL, Look, rgb
+from ..palette import MEASURED, MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
+from .look import Look, rgb
 from .shot import Shot
 
 # Matplotlib brings the fonts of the plots; it need not be imported for them.
@@ -74,7 +75,7 @@ class Legend:
         if look.path:
             items.append(((look.ink, "", look.ink), "desired path"))
         if look.trail:
-            items.append(((TOOL,), "tool"))
+            items.append(((MEASURED,), "tool"))
         if look.springs:
             ramp = (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
             items.append((ramp, "spring torque −, 0, +; thick: stiff, dashed: k < 0"))

@@ -11,8 +11,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
+from ..palette import MEASURED, MUTED, OPTIMAL
 from ..results.run import Run
-from .look import MEASURED, MUTED, OPTIMAL, Look
+from .look import Look
 from .strip import Strip
 
 

@@ -1,0 +1,71 @@
+"""How much room text takes, known before anything is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from textwrap import wrap
+
+from matplotlib.font_manager import FontProperties, findfont, get_font
+
+
+@lru_cache(maxsize=4096)
+def width_of(text: str, size: float) -> float:
+    """Width of a line in the default font [in].
+
+    Args:
+        text: without mathematics.
+        size: of the font [pt].
+    """
+    font = get_font(findfont(FontProperties()))
+    font.set_size(size, 72)
+    font.set_text(text)
+    width, _ = font.get_width_height()
+    return float(width) / 64 / 72
+
+
+def fitting(candidates: Iterable[str], size: float, width: float) -> str:
+    """The first of some wordings, from long to short, that fits; the last one cut if none does.
+
+    Args:
+        candidates: wordings.
+        size: of the font [pt].
+        width: there is [in].
+    """
+    text = ""
+    for text in candidates:
+        if width_of(text, size) <= width:
+            return text
+    while len(text) > 1 and width_of(text + "…", size) > width:
+        text = text[:-1]
+    return text + "…"
+
+
+def naming(wordings: Iterable[str], name: str) -> Iterator[str]:
+    """Wordings with a name put in, and the last of them with ever less of the name.
+
+    Args:
+        wordings: from long to short, with {} for the name.
+        name: such as a joint's, which may be long.
+    """
+    wording = "{}"
+    for wording in wordings:
+        yield wording.format(name)
+    for length in range(len(name) - 1, 0, -1):
+        yield wording.format(name[:length] + "…")
+
+
+def wrapped(text: str, size: float, width: float) -> list[str]:
+    """A text as lines that fit.
+
+    Args:
+        text: of one paragraph.
+        size: of the font [pt].
+        width: there is [in].
+    """
+    longest = len(text)
+    while True:
+        lines = wrap(text, longest) or [""]
+        if longest <= 10 or all(width_of(line, size) <= width for line in lines):
+            return lines
+        longest -= 1
