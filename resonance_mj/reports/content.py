@@ -15,7 +15,7 @@ from ..experiments.expectations import Expect
 from ..laws import springs
 from ..results.run import Run
 from ..status import Status
-from .wording import Number, angle, count, length, listed, percent, plain, seconds
+from .wording import Number, angle, length, listed, minus, percent, plain, seconds
 
 
 class Beside(NamedTuple):
@@ -170,9 +170,17 @@ def _motion(run: Run, index: int, segment: dict[str, Any]) -> Motion:
         without=plain(segment["torque_squared_without_springs"], 2),
         tracking=length(segment["tracking_rms"]),
         rotation=angle(segment["rotation_rms"]) if "rotation_rms" in segment else None,
-        reached=count(segment["cycles_to_optimum"]),
+        reached=_reached(segment),
         joints=joints,
     )
+
+
+def _reached(segment: dict[str, Any]) -> Number:
+    """First cycle at the optimum; a motion without a whole cycle cannot tell."""
+    cycle = segment["cycles_to_optimum"]
+    if cycle is None:
+        return Number(None, "never" if segment["cycles"] else "–")
+    return Number(cycle, str(cycle))
 
 
 def _equilibrium(run: Run, index: int, j: int) -> Number:
@@ -194,10 +202,10 @@ def _verdicts(run: Run) -> tuple[Verdict, ...]:
     return tuple(
         Verdict(
             one.motion,
-            convergence.figure(one).replace("_", " "),
-            convergence.expected(one.band),
+            convergence.figure(one).replace("_", " ").replace("rms", "RMS"),
+            minus(convergence.expected(one.band)),
             convergence.tolerance(one.band),
-            convergence.number(one.found, one.band),
+            minus(convergence.number(one.found, one.band)),
             one.passed,
         )
         for one in judge(run)
@@ -257,7 +265,7 @@ def _facts(run: Run, folder: Path | None) -> tuple[tuple[str, str], ...]:
         facts.append(("Samples", f"of {kept} of {data.sizes['cycle']} cycles were kept"))
     if folder is not None:
         made = datetime.fromtimestamp((folder / "run.nc").stat().st_mtime)
-        facts += [("Made", f"{made:%Y-%m-%d %H:%M}"), ("Data", str(folder.resolve()))]
+        facts.append(("Made", f"{made:%Y-%m-%d %H:%M}"))
     return tuple(facts)
 
 

@@ -20,9 +20,9 @@ CYCLES = 2
 """Cycles that are shown at the start, on either side of a change of motion, and at the end."""
 LEAST, MOST = 5.0, 12.0
 """How long a film lasts [s]: shorter ones run slower than the robot, longer ones faster."""
-FPS = 25.0
-HEIGHT, WIDTHS = 720, {1: 1280, 2: 1600, 3: 1920}
-"""Of the picture, by the number of runs side by side [pixels]; no more than three fit."""
+FPS = 20.0
+SIZES = {1: (1280, 720), 2: (1440, 600), 3: (1800, 600)}
+"""Width and height of the picture by the number of runs side by side [pixels]; no more fit."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Plan:
     Raises:
         PictureError: they have no samples at a time that they share.
     """
-    shown = tuple(runs)[: max(WIDTHS)]
+    shown = tuple(runs)[: max(SIZES)]
     end = min(shots.span(run, None, None)[1] for run in shown)
     spans = _spans(shown[0], end)
     total = sum(stop - start for start, stop in spans)
@@ -105,7 +105,7 @@ def shoot(planned: Plan, progress: video.Progress | None = None) -> Film:
         PictureError: there is no OpenGL to draw with.
         RobotError: the arm's MJCF is missing.
     """
-    size = (WIDTHS[len(planned.runs)], HEIGHT)
+    size = SIZES[len(planned.runs)]
     with tempfile.TemporaryDirectory() as folder:
         path = video.film(
             planned.runs,

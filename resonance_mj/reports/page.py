@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import jinja2
 from markupsafe import Markup
 
 from ..figures.catalogue import Entry
+from ..figures.sizes import COLUMN, PAGE
+from ..results.run import Run
 from . import drawings
-from .comparing import Difference
+from .comparing import Difference, best
 from .content import Content
 from .drawings import Drawing
 from .film import Film
@@ -20,10 +22,12 @@ from .film import Film
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of the catalogue, drawn."""
+    """A figure of the catalogue, drawn in two widths."""
 
     entry: Entry
-    drawing: Drawing
+    wide: Drawing
+    narrow: Drawing
+    """As wide as a phone."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,11 @@ class Page:
     film_note: str
     version: str
 
+    @property
+    def headline(self) -> str:
+        """What a comparison comes to, in a sentence."""
+        return best(self.contents)
+
     def html(self) -> str:
         """The page as text."""
         environment = jinja2.Environment(
@@ -66,7 +75,8 @@ class Page:
             assert environment.loader is not None
             return Markup(environment.loader.get_source(environment, name)[0])
 
-        every = [figure.drawing for group in (self.shared, *self.figures) for figure in group]
+        drawn = [figure for group in (self.shared, *self.figures) for figure in group]
+        every = [drawing for figure in drawn for drawing in (figure.wide, figure.narrow)]
         return environment.get_template("page.html").render(
             page=self, dark=drawings.style(every), asset=asset
         )
@@ -77,7 +87,9 @@ def _data_uri(text: str, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(text.encode()).decode('ascii')}"
 
 
-def figures(entries: list[Entry], runs: list[Any], anchor: str, done: Any) -> tuple[Figure, ...]:
+def figures(
+    entries: list[Entry], runs: list[Run], anchor: str, done: Callable[[], None]
+) -> tuple[Figure, ...]:
     """Draw figures for a page.
 
     Args:
@@ -88,7 +100,12 @@ def figures(entries: list[Entry], runs: list[Any], anchor: str, done: Any) -> tu
     """
     drawn = []
     for entry in entries:
-        name = f"{anchor}-{entry.name}"
-        drawn.append(Figure(entry, drawings.inline(entry.draw(runs), name, entry.title)))
+        wide, narrow = (
+            drawings.inline(
+                entry.draw(runs, width), f"{anchor}-{entry.name}-{width:.0f}", entry.title
+            )
+            for width in (PAGE, COLUMN)
+        )
+        drawn.append(Figure(entry, wide, narrow))
         done()
     return tuple(drawn)

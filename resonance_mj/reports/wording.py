@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import NamedTuple
 
 MINUS, NARROW = "−", "\u202f"
@@ -54,9 +55,9 @@ def _scaled(value: float | None, units: tuple[tuple[str, float], ...], base: str
     return Number(value, f"{shown:.{digits}f}{NARROW}{unit}")
 
 
-def count(number: int | None) -> Number:
-    """A cycle's number; `never` where there is none."""
-    return Number(number, "never" if number is None else str(number))
+def minus(text: str) -> str:
+    """Numbers in words with a real minus sign before them."""
+    return re.sub(r"(?<![\w-])-(?=[\d.])", MINUS, text)
 
 
 def listed(parts: list[str]) -> str:
