@@ -89,8 +89,8 @@ def reductions(ax: Axes, data: xr.Dataset) -> None:
             wordings = [f"{last / without:.3g} times that without springs (optimum {best} less)"]
         wordings += [f"{1 - last / without:.1%} less (of {best})", f"{1 - last / without:.1%}"]
         ax.annotate(
-            fitting(wordings, SMALL, width * mine.size / cycles),
-            (mine[-1], without),
+            fitting(wordings, SMALL, width * mine.size / cycles - 0.06),
+            (mine[-1] + 0.5, without),
             xytext=(-2, 3),
             textcoords="offset points",
             ha="right",

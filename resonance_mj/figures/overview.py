@@ -17,7 +17,7 @@ from .naming import heading, letters, of_joint, torque_squared_unit
 from .sheet import Row, Sheet
 from .sizes import PAGE
 from .style import LABEL_BOX, LINES, SMALL, STYLE, breadth, plain
-from .text import fitting
+from .text import fitting, naming
 from .windows import Windows
 
 TITLES = {
@@ -61,7 +61,7 @@ def _draw(run: Run, width: float) -> Figure:
         slides = name != "x" and bool(data["slides"].values[index])
         wordings = TITLES["rotation" if name == "x" and of.startswith("r") else name]
         letter = next(names)
-        sheet.title(ax, *(f"({letter}) {of_joint(each, slides).format(of)}" for each in wordings))
+        sheet.title(ax, *naming((f"({letter}) {of_joint(each, slides)}" for each in wordings), of))
         one = data.sel(axis=of) if name == "x" else data.sel(joint=of)
         if name == "x":
             windows.plot(ax, data, one["x"], MEASURED, "-")

@@ -48,6 +48,7 @@ class Sheet:
         heading: wrapped to the width.
         legend: handles by what they mean; as many beside each other as there is room for.
         left: what numbers and label of an ordinate take [in].
+        right: what is left free beside the panels [in].
     """
 
     def __init__(
@@ -59,9 +60,10 @@ class Sheet:
         heading: str,
         legend: Mapping[str, Line2D] | None = None,
         left: float = 0.5,
+        right: float = RIGHT,
     ) -> None:
         self._rows, self._left = rows, left
-        self._across = (width - columns * left - RIGHT) / columns
+        self._across = (width - columns * left - right) / columns
         lines = wrapped(heading, HEADING, width - left - RIGHT)
         entries = _packed(legend or {}, width - left - RIGHT)
         line, small = 1.35 * HEADING / 72, 1.6 * SMALL / 72

@@ -78,15 +78,19 @@ def like(line: Line2D) -> dict[str, Any]:
 
 def abscissa(ax: Axes) -> None:
     """An abscissa whose ticks are written in full, as many as do not touch."""
-    ax.xaxis.set_major_formatter(FuncFormatter(_number))
     low, high = ax.get_xlim()
+    scale = breadth(ax) / (high - low)  # inches per unit
     for nbins in (6, 5, 4, 3, 2, 1):
-        locator = MaxNLocator(nbins=nbins)
-        ticks = [tick for tick in locator.tick_values(low, high) if low <= tick <= high]
+        placed = MaxNLocator(nbins=nbins).tick_values(low, high)
+        ticks = [float(tick) for tick in placed if low <= tick <= high]
         widest = max((width_of(_number(tick), SMALL) for tick in ticks), default=0.0)
-        if len(ticks) < 2 or breadth(ax) * (ticks[1] - ticks[0]) / (high - low) > widest + 0.08:
+        if len(ticks) < 2 or (ticks[1] - ticks[0]) * scale > widest + 0.08:
             break
-    ax.xaxis.set_major_locator(locator)
+    # The last number must not stand out of the figure.
+    ticks = [
+        tick for tick in ticks if (high - tick) * scale + 0.1 > width_of(_number(tick), SMALL) / 2
+    ]
+    ax.set_xticks(ticks, [_number(tick) for tick in ticks])
 
 
 def breadth(ax: Axes) -> float:
@@ -103,7 +107,7 @@ def plain(ax: Axes, nbins: int = 4) -> None:
 
 
 def _number(value: float, _: object = None) -> str:
-    return f"{value:.6g}".replace("-", "−")
+    return f"{value:.6g}".replace("e-0", "e-").replace("-", "−")
 
 
 def counted(ax: Axes, what: str = "cycle") -> None:

@@ -8,20 +8,23 @@ from textwrap import wrap
 
 from matplotlib.font_manager import FontProperties, findfont, get_font
 
+FINE, HINTED = 1200, 1.05
+"""Dots per inch at which text is measured, and how much wider it may be on coarse pixels."""
+
 
 @lru_cache(maxsize=4096)
 def width_of(text: str, size: float) -> float:
-    """Width of a line in the default font [in].
+    """Width of a line in the default font, with a margin [in].
 
     Args:
         text: without mathematics.
         size: of the font [pt].
     """
     font = get_font(findfont(FontProperties()))
-    font.set_size(size, 72)
+    font.set_size(size, FINE)
     font.set_text(text)
     width, _ = font.get_width_height()
-    return float(width) / 64 / 72
+    return HINTED * float(width) / 64 / FINE
 
 
 def fitting(candidates: Iterable[str], size: float, width: float) -> str:
