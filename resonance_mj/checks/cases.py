@@ -14,7 +14,6 @@ from .. import library
 from ..errors import ExperimentError
 from ..experiments.expectations import Expected
 from ..experiments.experiment import Experiment, find, load
-from ..robots.robot import build
 
 
 def holds_expectations(path: Path) -> bool:
@@ -70,6 +69,9 @@ def read(path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None)
             or a joint that is not there.
         RobotError: the robot cannot be loaded.
     """
+    # MuJoCo is imported where an arm is built: a report judges without it.
+    from ..robots.robot import build
+
     experiment = load(path).replace(changes or {})
     if not holds_expectations(find(path)):
         raise ExperimentError(
