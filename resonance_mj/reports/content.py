@@ -65,6 +65,16 @@ class Motion:
     reached: Number
     joints: tuple[Joint, ...]
 
+    @property
+    def against(self) -> tuple[str, str]:
+        """Torque² against that without springs: how much, and whether less, more or times it."""
+        share = self.reduction.found.value
+        if share is None:
+            return self.reduction.found.text, ""
+        if share > -9.995:
+            return percent(abs(share)).text, "less" if share >= 0 else "more"
+        return f"{1 - share:,.0f}" if share > -1e9 else f"{1 - share:.3g}", "times the"
+
 
 class Verdict(NamedTuple):
     """What was expected of a figure, and what was found."""
@@ -225,23 +235,15 @@ def _headline(of: Content) -> str:
     if len(done) > 3:
         done, where = [done[0], done[-1]], [" in the first motion", " in the last"]
     less = [
-        _less(motion.reduction.found.value or 0.0) + place
+        "{} {} torque²{}".format(*motion.against, place)
         for motion, place in zip(done, where, strict=True)
     ]
     best = [motion.reduction.optimal.text for motion in done]
     error = [motion.tracking.text for motion in done]
     return (
-        f"{said}At the end the motors need {listed(less)} than without springs; the best constant "
-        f"springs would save {listed(best)}. The tool is {listed(error)} RMS off its path."
+        f"{said}Compared with no springs, the motors end up needing {listed(less)}; the best "
+        f"constant springs would save {listed(best)}. The tool is {listed(error)} RMS off its path."
     )
-
-
-def _less(share: float) -> str:
-    if share >= 0:
-        return f"{percent(share).text} less torque²"
-    if share > -9.995:
-        return f"{percent(-share).text} more torque²"
-    return f"{1 - share:.3g} times the torque²"
 
 
 def _facts(run: Run, folder: Path | None) -> tuple[tuple[str, str], ...]:

@@ -18,7 +18,7 @@ from ..video.look import Look
 
 CYCLES = 2
 """Cycles that are shown at the start, on either side of a change of motion, and at the end."""
-LEAST, MOST = 5.0, 12.0
+LEAST, MOST = 4.0, 12.0
 """How long a film lasts [s]: shorter ones run slower than the robot, longer ones faster."""
 FPS = 20.0
 SIZES = {1: (1280, 720), 2: (1440, 600), 3: (1800, 600)}
