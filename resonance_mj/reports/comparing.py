@@ -34,7 +34,7 @@ def best(contents: Sequence[Content]) -> str:
     if not found:
         return f"{len(contents)} runs, which have no whole cycle of a motion in common."
     said = "; ".join(f"{leader}, {listed(where)}" for leader, where in found.items())
-    return f"The motors are relieved most in {said} less torque² than without springs."
+    return f"The greatest reduction of motor torque² against no springs: {said}."
 
 
 def differences(runs: Sequence[Run]) -> list[Difference]:
