@@ -8,7 +8,8 @@ if TYPE_CHECKING:
     from .comparison.comparison import Comparison, compare
     from .errors import ResonanceError
     from .experiments.claims import Certificate, Certificates
-    from .experiments.experiment import Experiment, load
+    from .experiments.experiment import Experiment
+    from .experiments.loading import load
     from .figures.plot import plot
     from .optimal_springs import Optimum, optimum
     from .reports.report import report
@@ -25,7 +26,7 @@ _HOMES = {
     "compare": "comparison.comparison",
     "ResonanceError": "errors",
     "Experiment": "experiments.experiment",
-    "load": "experiments.experiment",
+    "load": "experiments.loading",
     "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",

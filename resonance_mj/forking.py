@@ -9,6 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
+def cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 @contextmanager
 def meanwhile(work: Callable[[], None]) -> Iterator[Callable[[], bool]]:
     """Let a copy of this process do some work while the `with` block runs.
@@ -21,7 +28,7 @@ def meanwhile(work: Callable[[], None]) -> Iterator[Callable[[], bool]]:
         Waits for the work, and says whether it was done: False where it failed, where the system
         has no safe fork (all but Linux), or only one core. Do it here then, which also says why.
     """
-    if sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2:
+    if sys.platform != "linux" or cores() < 2:
         yield lambda: False
         return
     with warnings.catch_warnings():

@@ -12,7 +12,8 @@ import mujoco
 import numpy as np
 import tomlkit
 
-from .experiments.experiment import Experiment, describe
+from .experiments.experiment import Experiment
+from .experiments.keys import describe
 from .laws.gains import Gains
 from .motions import default_motion
 from .motions.kinematics import JointMotion, Kinematics

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .experiments.experiment import Experiment, Springs
+from .experiments.experiment import Experiment
+from .experiments.sections import Springs
 from .laws import springs
 from .motions import default_motion
 from .motions import motion as motions

@@ -102,7 +102,8 @@ def resonance_run(
     something has changed that it depends on; `pytest --cache-clear` forgets all.
     """
     from .checks.run_cache import RunCache
-    from .experiments.experiment import Experiment, load
+    from .experiments.experiment import Experiment
+    from .experiments.loading import load
 
     cache = getattr(request.config, "cache", None)
     runs = RunCache(cache.mkdir("resonance-mj") if cache is not None else None)

@@ -5,7 +5,8 @@ import pytest
 from two_link import first_motion, inverse_kinematics, jacobian, joint_motion
 
 import resonance_mj as rmj
-from resonance_mj.experiments.experiment import KINDS, for_robot
+from resonance_mj.experiments.law_section import KINDS
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.laws import laws, learning
 from resonance_mj.robots.automatic_gains import gains
 from resonance_mj.robots.robot import build

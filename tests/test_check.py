@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import cli
+from resonance_mj import cli, library
 from resonance_mj.checks import cases, check, convergence, junit
 from resonance_mj.checks.check import Band
 from resonance_mj.laws.springs import equilibrium
@@ -344,7 +344,7 @@ def test_without_names_the_files_here_and_in_runs_are_meant_or_else_the_built_in
 ):
     monkeypatch.chdir(tmp_path)
     built_in = [path.stem for path in cases.named([])]
-    assert built_in == list(rmj.experiment.library.experiments())
+    assert built_in == list(library.experiments())
     (tmp_path / "pyproject.toml").write_text("[tool.mine]\nexpect = 1\n")
     written(tmp_path, "", "without.toml")
     (tmp_path / "runs").mkdir()

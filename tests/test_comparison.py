@@ -14,7 +14,7 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.comparison import contenders
 from resonance_mj.comparison.comparison import Comparison, Verdict
-from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.figures import comparison_figure
 from resonance_mj.robots.robot import build
 

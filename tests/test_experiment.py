@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import resonance_mj as rmj
 from resonance_mj import library
-from resonance_mj.experiments.experiment import describe
+from resonance_mj.experiments.keys import describe
 
 SHORT = """
 [robot]

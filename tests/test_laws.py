@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.experiments.loading import for_robot
 
 PAGE = Path(__file__).parents[1] / "docs" / "custom-law.md"
 PD = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]

@@ -8,7 +8,7 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import RobotError
-from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.robots import menagerie, mjcf
 from resonance_mj.robots.robot import build
 

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.robots import mjcf
+from resonance_mj.robots.compiling import compile_spec
 from resonance_mj.robots.robot import build
 
 ARM = """<mujoco><worldbody>
@@ -26,7 +27,7 @@ def written(tmp_path, tool="", scene="", rest="", spring=""):
 
 def read(path, tool=None, home=None):
     arm = mjcf.read(str(path), tool, home)
-    return arm, mjcf.compile_spec(arm.spec, path)
+    return arm, compile_spec(arm.spec, path)
 
 
 def test_a_usual_name_on_the_base_is_not_the_tool(tmp_path):

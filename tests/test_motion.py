@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import resonance_mj as rmj
 from resonance_mj import optimal_springs
-from resonance_mj.experiments import experiment
+from resonance_mj.experiments.motion_section import Motion
 from resonance_mj.motions import angular, default_motion, motion
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.motions.motion import blended, resolve, sample
@@ -86,7 +86,7 @@ def turning(folder):
 
 def filled(robot, **keys):
     at_home = Kinematics(robot).position(robot.home)
-    return resolve(experiment.Motion(**{"period": 0.8, "duration": 8.0, **keys}), robot, at_home)
+    return resolve(Motion(**{"period": 0.8, "duration": 8.0, **keys}), robot, at_home)
 
 
 def fitting(keys, robot, folder):

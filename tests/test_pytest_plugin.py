@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import testing
+from resonance_mj import library, testing
 from resonance_mj.checks import run_cache
 from resonance_mj.checks.run_cache import RunCache, fingerprint
 
@@ -201,7 +201,7 @@ def counted(monkeypatch):
 def test_a_run_is_simulated_once_and_again_only_if_something_changes_that_it_depends_on(
     experiment, counted, tmp_path, monkeypatch
 ):
-    text = (rmj.experiment.library.robots()["two_link.xml"]).read_text()
+    text = (library.robots()["two_link.xml"]).read_text()
     arm = tmp_path / "arm.xml"
     arm.write_text(text)
     experiment = experiment.replace({"robot.mjcf": str(arm)})

@@ -6,7 +6,7 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import library
-from resonance_mj.experiments.experiment import for_robot
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.robots.robot import build
 
 ROBOTS = library.robots()

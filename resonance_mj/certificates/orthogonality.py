@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..experiments.experiment import Springs
+from ..experiments.sections import Springs
 from ..laws import learning, springs
 from ..laws.gains import Gains
 from ..optimal_springs import Optimum

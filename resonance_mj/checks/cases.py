@@ -13,7 +13,8 @@ from typing import Any
 from .. import library
 from ..errors import ExperimentError
 from ..experiments.expectations import Expected
-from ..experiments.experiment import Experiment, find, load
+from ..experiments.experiment import Experiment
+from ..experiments.loading import find, load
 
 
 def holds_expectations(path: Path) -> bool:

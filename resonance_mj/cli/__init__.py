@@ -1,5 +1,5 @@
 """The command line: the only place that prints or exits."""
 
-from .main import main
+from .entry import main
 
 __all__ = ["main"]

@@ -24,7 +24,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    from ..experiments.experiment import for_robot
+    from ..experiments.loading import for_robot
     from ..inspection import inspect
     from . import tables
 

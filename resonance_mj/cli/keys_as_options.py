@@ -37,7 +37,7 @@ def take_keys(parser: argparse.ArgumentParser) -> None:
 
 def experiment(options: argparse.Namespace) -> Experiment:
     """The experiment that the options of `add_options` ask for."""
-    from ..experiments.experiment import for_robot, load
+    from ..experiments.loading import for_robot, load
 
     if options.experiment is None and options.robot is None:
         raise ExperimentError(

@@ -17,7 +17,7 @@ def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     from rich.table import Table
 
-    from ..experiments.experiment import describe
+    from ..experiments.keys import describe
 
     table = Table(box=None, padding=(0, 2, 0, 0))
     for heading in ("key", "default", "meaning"):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import threading
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,21 +32,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
+    from ..figures import drawing
     from ..files import could_be_written
-    from ..results.run import Status
-    from . import tables
 
     folder = could_be_written(options.out or Path("runs") / experiment.name)
     screen = console()
-    run = _simulate(experiment, options, screen)
-    run.save(folder)
-    written = ["run.nc", "summary.json", "experiment.toml"]
-    if run.data.sizes["time"]:
-        from ..figures import overview, saving, sizes
+    with drawing.ready() as draw:
+        run = _simulate(experiment, options, screen)
+        drawn = draw(run) if run.data.sizes["time"] else None
+        run.save(folder)
+        written = ["run.nc", "summary.json", "experiment.toml"]
+        from . import tables
 
-        drawn = saving.save(overview.draw([run]), folder, "figure", dpi=sizes.DRAFT)
-        written += [path.name for path in drawn]
-    screen.print(tables.summary(run))
+        screen.print(tables.summary(run))
+        if drawn is not None:
+            written += [path.name for path in drawn(folder)]
     if options.certify:
         written += certify_command.certified(run, folder, screen)
     if run.data.attrs["thinned"]:
@@ -58,6 +56,8 @@ def execute(options: argparse.Namespace) -> int:
             f"(simulation.samples = {experiment.simulation.samples})."
         )
     screen.print(f"{folder}: {', '.join(written)}", soft_wrap=True)
+    from ..status import Status
+
     if run.status is Status.OK:
         return DONE
     print(f"resonance-mj: {experiment.name}: {run.status}: {run.message}", file=sys.stderr)
@@ -68,23 +68,12 @@ def _simulate(experiment: Experiment, options: argparse.Namespace, console: Cons
     """Simulate behind a progress bar."""
     from ..simulation import simulation
 
-    total = sum(motion.cycles for motion in experiment.motion)
-    drawing = threading.Thread(
-        target=import_module, args=("resonance_mj.figures.overview",), daemon=True
-    )
-    name = experiment.name
+    name, total = experiment.name, sum(motion.cycles for motion in experiment.motion)
     with bar(f"{name}: preparing the law", "cycles", console, total, then=name) as show:
-
-        def shown(done: int, of: int) -> None:
-            if done == 1:
-                # Imported while MuJoCo steps, which leaves Python's lock to others.
-                drawing.start()
-            show(done, of)
-
         return simulation.simulate(
             experiment,
             interpret=options.interpret,
             strict=options.strict,
-            progress=shown,
+            progress=show,
             note=lambda line: console.print(f"  {line}", soft_wrap=True),
         )

@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ..status import Status
 from .section import Finite, Gain, Section
+from .words import shown
 
 PER_JOINT = ("stiffness", "offset", "equilibrium")
 """Figures with a number for each joint; the others have one."""
@@ -51,7 +52,7 @@ class Expected(Section):
             )
         if self.value is not None and bounded:
             raise ValueError(
-                f"value = {_shown(self.value)} stands beside min or max: give value with a "
+                f"value = {shown(self.value)} stands beside min or max: give value with a "
                 "tolerance, abs or rel, or give bounds"
             )
         if bounded and tolerant:
@@ -59,7 +60,7 @@ class Expected(Section):
         if self.min is not None and self.max is not None and self.min > self.max:
             raise ValueError(f"min = {self.min:g} is above max = {self.max:g}")
         if self.value not in (None, "optimal") and not tolerant:
-            raise ValueError(f"value = {_shown(self.value)} {_NO_TOLERANCE}")
+            raise ValueError(f"value = {shown(self.value)} {_NO_TOLERANCE}")
         return self
 
 
@@ -116,7 +117,7 @@ class OfMotion(Section):
     @classmethod
     def _is_of_no_joint(cls, given: Expected | None) -> Expected | None:
         if given is not None and isinstance(given.value, tuple):
-            raise ValueError(f"value = {_shown(given.value)}: one number is needed")
+            raise ValueError(f"value = {shown(given.value)}: one number is needed")
         if given is not None and given.joints is not None:
             raise ValueError(f"joints belongs to {', '.join(PER_JOINT)}")
         return given
@@ -140,7 +141,3 @@ class Expect(OfMotion):
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _shown(value: Any) -> str:
-    return repr(list(value) if isinstance(value, tuple) else value)

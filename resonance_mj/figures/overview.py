@@ -16,13 +16,13 @@ from . import cycle_axis
 from .naming import heading, letters, of_joint, torque_squared_unit
 from .sheet import Row, Sheet
 from .sizes import PAGE
-from .style import LABEL_BOX, LINES, SMALL, STYLE, breadth, plain
-from .text import fitting, naming
+from .style import FONT, LABEL_BOX, LINES, SMALL, STYLE, breadth, plain
+from .text import alike, fitting, naming
 from .windows import Windows
 
 TITLES = {
-    "x": ("tool position {} [m]", "{} [m]"),
-    "rotation": ("tool rotation {} [rad]", "{} [rad]"),
+    "x": ("tool position {} [m]", "tool {} [m]", "{} [m]"),
+    "rotation": ("tool rotation {} [rad]", "tool {} [rad]", "{} [rad]"),
     "stiffness": ("stiffness k of {} [N m/rad]", "k of {} [N m/rad]", "k {} [N m/rad]"),
     "offset": ("offset torque q̄ₑ of {} [N m]", "q̄ₑ of {} [N m]", "q̄ₑ {} [N m]"),
     "tau": ("motor torque τ of {} [N m]", "τ of {} [N m]", "τ {} [N m]"),
@@ -59,7 +59,8 @@ def _draw(run: Run, width: float) -> Figure:
         ax = sheet.panel(row, column)
         of = axes[index] if name == "x" else joints[index]
         slides = name != "x" and bool(data["slides"].values[index])
-        wordings = TITLES["rotation" if name == "x" and of.startswith("r") else name]
+        kind = "rotation" if name == "x" and of.startswith("r") else name
+        wordings = alike(TITLES[kind], axes if name == "x" else joints, FONT, sheet.room)
         letter = next(names)
         sheet.title(ax, *naming((f"({letter}) {of_joint(each, slides)}" for each in wordings), of))
         one = data.sel(axis=of) if name == "x" else data.sel(joint=of)

@@ -113,6 +113,11 @@ class Sheet:
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
 
+    @property
+    def room(self) -> float:
+        """Width that every panel has for its title, those at the right edge too [in]."""
+        return self._across + min(self._left - 0.1, RIGHT - 0.03)
+
     def title(self, ax: Axes, *wordings: str, notes: Sequence[str] = ()) -> None:
         """Write above a panel, in the longest wording that fits.
 

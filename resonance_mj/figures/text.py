@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from textwrap import wrap
 
@@ -56,6 +56,23 @@ def naming(wordings: Iterable[str], name: str) -> Iterator[str]:
         yield wording.format(name)
     for length in range(len(name) - 1, 0, -1):
         yield wording.format(name[:length] + "…")
+
+
+def alike(
+    wordings: Sequence[str], names: Sequence[str], size: float, width: float
+) -> Sequence[str]:
+    """The wordings of a panel's title from the first on that has room for each of some names.
+
+    Args:
+        wordings: from long to short, with {} for a name.
+        names: that stand in panels of one kind, which are to be called alike.
+        size: of the font [pt].
+        width: there is [in].
+    """
+    for i, wording in enumerate(wordings):
+        if all(width_of(f"(m) {wording.format(name)}", size) <= width for name in names):
+            return wordings[i:]
+    return wordings[-1:]
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:

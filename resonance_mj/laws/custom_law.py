@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ExperimentError
-from ..experiments.experiment import KINDS
+from ..experiments.law_section import KINDS
 from .controller import Command, standard
 from .memory import Header, matrix, vector
 from .step_functions import step_function

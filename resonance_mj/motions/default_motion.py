@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ..errors import MotionError
-from ..experiments import experiment
+from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
@@ -33,9 +33,7 @@ LIMITS = 0.05
 """Least distance to a joint's limits, as a share of its range."""
 
 
-def sized(
-    motion: experiment.Motion, kinematics: Kinematics, name: str, alpha_0: float = 10.0
-) -> experiment.Motion:
+def sized(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float = 10.0) -> Motion:
     """A motion with its size filled in, twice as long as high.
 
     The size shrinks from a share of the reach until inverse kinematics follows the motion well away
@@ -85,7 +83,7 @@ def reach(robot: Robot) -> float:
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum() + way)
 
 
-def _middle(motion: experiment.Motion, kinematics: Kinematics, name: str) -> np.ndarray:
+def _middle(motion: Motion, kinematics: Kinematics, name: str) -> np.ndarray:
     """Joint angles (n,) with the tool at the motion's center; those at home if it is not given."""
     point = motion.model_copy(update={"size": (0.0, 0.0), "rotation_sin": (), "rotation_cos": ()})
     x = motions.sample(point, 1, kinematics.robot).x[0]
@@ -100,7 +98,7 @@ def _middle(motion: experiment.Motion, kinematics: Kinematics, name: str) -> np.
 
 
 def _obstacle(
-    motion: experiment.Motion,
+    motion: Motion,
     kinematics: Kinematics,
     middle: np.ndarray,
     name: str,

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from ..errors import ExperimentError
-from ..experiments import experiment
+from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
 from . import angular, waypoints
 from .waypoints import Waypoints
@@ -33,7 +33,7 @@ class Samples(NamedTuple):
     """Whether the last three coordinates are a rotation."""
 
 
-def sample(motion: experiment.Motion, steps: int, robot: Robot) -> Samples:
+def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
     """Sample a motion at `steps` equal time steps of its cycle.
 
     Args:
@@ -59,9 +59,7 @@ def sample(motion: experiment.Motion, steps: int, robot: Robot) -> Samples:
     return Samples(x, dx, ddx, robot.rotates)
 
 
-def resolve(
-    motion: experiment.Motion, robot: Robot, at_home: np.ndarray, name: str = "motion"
-) -> experiment.Motion:
+def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "motion") -> Motion:
     """A motion that fits the robot's task, with all that it left open filled in but its size.
 
     Args:
@@ -143,11 +141,11 @@ _WAYPOINTS: dict[tuple[str, tuple[str, ...], float], Waypoints] = {}
 """What `resolve` read: a CSV that is edited while a run goes on does not change the run."""
 
 
-def _key(motion: experiment.Motion, robot: Robot) -> tuple[str, tuple[str, ...], float]:
+def _key(motion: Motion, robot: Robot) -> tuple[str, tuple[str, ...], float]:
     return motion.file or "", robot.axes, motion.period
 
 
-def _check(motion: experiment.Motion, robot: Robot, name: str) -> None:
+def _check(motion: Motion, robot: Robot, name: str) -> None:
     """Raise where a motion does not fit the task."""
     axes = robot.position_axes
     for axis in motion.plane or ():
@@ -173,14 +171,14 @@ def _check(motion: experiment.Motion, robot: Robot, name: str) -> None:
         )
 
 
-def _frame(motion: experiment.Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+def _frame(motion: Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """Origin and axes of a motion's frame, in the task's positions."""
     place, turn = _pose(motion, robot)
     axes = ["xyz".index(axis) for axis in robot.position_axes]
     return place[axes], turn[np.ix_(axes, axes)]
 
 
-def _pose(motion: experiment.Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+def _pose(motion: Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """Origin (3,) [m] and axes (3, 3) of a motion's frame in the world, at home."""
     if motion.frame == "world":
         return np.zeros(3), np.eye(3)
@@ -193,7 +191,7 @@ def _pose(motion: experiment.Motion, robot: Robot) -> tuple[np.ndarray, np.ndarr
     return data.xpos[base].copy(), data.xmat[base].reshape(3, 3).copy()
 
 
-def _in_its_frame(motion: experiment.Motion, steps: int, robot: Robot) -> Parts:
+def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
     """x, dx/dt and d²x/dt² of a motion (N, m), without what rotation_sin and rotation_cos add."""
     if motion.shape == "fourier":
         rows = motion.sin, motion.cos
@@ -213,7 +211,7 @@ def _in_its_frame(motion: experiment.Motion, steps: int, robot: Robot) -> Parts:
     return x, dx, ddx
 
 
-def _curve(motion: experiment.Motion, steps: int) -> Parts:
+def _curve(motion: Motion, steps: int) -> Parts:
     """An ellipse, line or eight about its center, in its plane (N, 2).
 
     An ellipse is a cos, b sin; an eight is a sin, b sin of twice the angle; a line is sin in both.
@@ -228,7 +226,7 @@ def _curve(motion: experiment.Motion, steps: int) -> Parts:
     return _fourier((0.0, 0.0), sin, cos, motion.period, steps)
 
 
-def _polygon(motion: experiment.Motion, steps: int) -> Parts:
+def _polygon(motion: Motion, steps: int) -> Parts:
     """A regular polygon with rounded corners about its center, in its plane (N, 2).
 
     Each side takes as long as the others. About each corner, for the share `rounding` of the time

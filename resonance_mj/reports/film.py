@@ -80,7 +80,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Plan:
         PictureError: they have no samples at a time that they share.
     """
     shown = tuple(runs)[: max(SIZES)]
-    end = min(shots.span(run, None, None)[1] for run in shown)
+    _, end = shots.common_span(shown, None, None)
     spans = _spans(shown[0], end)
     total = sum(stop - start for start, stop in spans)
     speed = total / min(max(total, LEAST), MOST)

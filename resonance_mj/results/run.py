@@ -15,7 +15,8 @@ from typing import Any
 import xarray as xr
 
 from ..errors import OutputError
-from ..experiments.experiment import Experiment, load
+from ..experiments.experiment import Experiment
+from ..experiments.loading import load
 from ..files import replacing, writable
 from ..status import Status
 from . import metrics

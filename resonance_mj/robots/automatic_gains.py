@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..experiments.experiment import Experiment, Law
+from ..experiments.experiment import Experiment
+from ..experiments.law_section import Law
 from ..laws.gains import Gains
 from .robot import Robot
 

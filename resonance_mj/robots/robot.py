@@ -13,6 +13,7 @@ from ..experiments.experiment import Experiment
 from ..laws.memory import Layout
 from . import home as homes
 from . import mjcf, payload
+from .compiling import compile_spec
 
 AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
 
@@ -118,22 +119,8 @@ def build(experiment: Experiment) -> Robot:
     path = mjcf.find(given.mjcf)
     arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
     spec, joints, notes = arm.spec, arm.joints, list(arm.notes)
-    spec.option.timestep = experiment.simulation.timestep
-    spec.option.integrator = INTEGRATORS[experiment.simulation.integrator]
-    if experiment.simulation.gravity is not None:
-        spec.option.gravity = experiment.simulation.gravity
-    # A reset would wipe the record of a run that diverges; the controller detects it first.
-    disabled = mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    if not given.contacts:
-        disabled |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    if not given.limits:
-        disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
-    spec.option.disableflags |= disabled
-    carries = any(motion.payload > 0 for motion in experiment.motion)
-    if carries:
-        # The payload's body must not be made one with the tool's.
-        spec.compiler.fusestatic = False
-    model = mjcf.compile_spec(spec, path)
+    _set_options(spec, experiment)
+    model = compile_spec(spec, path)
     joint_id = np.array([model.joint(name).id for name in joints])
     site = int(model.site(arm.tool).id)
     home = _home(experiment, arm, model, joint_id, site, path, notes)
@@ -142,12 +129,6 @@ def build(experiment: Experiment) -> Robot:
     jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
     axes = _axes(experiment, jacobian, path, notes)
     _check_lengths(experiment, joints, axes, path)
-    if len(axes) > len(joints):
-        raise RobotError(
-            f"{path}: the task has {len(axes)} coordinates ({', '.join(axes)}) and the arm "
-            f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
-            "joints"
-        )
     coordinate = np.array([AXES[axis] for axis in axes])
     J = jacobian[coordinate]
     layout = Layout(
@@ -157,15 +138,11 @@ def build(experiment: Experiment) -> Robot:
         steps=max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion),
         parameters=len(experiment.law.parameters),
     )
-    actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
-    limits = np.where(
-        model.actuator_ctrllimited[actuator_id, None].astype(bool),
-        model.actuator_ctrlrange[actuator_id],
-        [-np.inf, np.inf],
-    )
     spec.nuserdata = model.nuserdata + layout.size
+    carries = any(motion.payload > 0 for motion in experiment.motion)
     load = payload.add(spec, arm.tool, model) if carries else None
-    model = mjcf.compile_spec(spec, path)
+    model = compile_spec(spec, path)
+    actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
     return Robot(
         model=model,
         joints=joints,
@@ -179,7 +156,7 @@ def build(experiment: Experiment) -> Robot:
         coordinate=coordinate,
         position=position,
         orientation=orientation,
-        torque_limit=limits,
+        torque_limit=_torque_limits(model, actuator_id),
         home=home,
         qpos=qpos,
         inertia=inertia,
@@ -188,6 +165,26 @@ def build(experiment: Experiment) -> Robot:
         notes=tuple(notes),
         layout=layout,
     )
+
+
+def _set_options(spec: mujoco.MjSpec, experiment: Experiment) -> None:
+    """Write what the experiment says of the simulation into the model."""
+    spec.option.timestep = experiment.simulation.timestep
+    spec.option.integrator = INTEGRATORS[experiment.simulation.integrator]
+    if experiment.simulation.gravity is not None:
+        spec.option.gravity = experiment.simulation.gravity
+    # A reset would wipe the record of a run that diverges; the controller detects it first.
+    disabled = mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    if not experiment.robot.contacts:
+        disabled |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    if not experiment.robot.limits:
+        disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    spec.option.disableflags |= disabled
+
+
+def _torque_limits(model: mujoco.MjModel, actuator_id: np.ndarray) -> np.ndarray:
+    limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
+    return np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
 
 
 def _axes(
@@ -220,7 +217,13 @@ def _axes(
 def _check_lengths(
     experiment: Experiment, joints: tuple[str, ...], axes: tuple[str, ...], path: Path
 ) -> None:
-    """Raise where an experiment gives a list that is not as long as the arm or the task."""
+    """Raise where the task, or a list, is not as long as the arm or the task needs."""
+    if len(axes) > len(joints):
+        raise RobotError(
+            f"{path}: the task has {len(axes)} coordinates ({', '.join(axes)}) and the arm "
+            f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
+            "joints"
+        )
     law, bounds = experiment.law, experiment.springs
     position = tuple(axis for axis in axes if axis in "xyz")
     lists = [

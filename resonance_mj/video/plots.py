@@ -17,6 +17,16 @@ from .look import Look
 from .strip import Strip
 
 
+def strips(runs: tuple[Run, ...], look: Look) -> tuple[Strip | None, ...]:
+    """The strip of each run of a picture; None where the look has none."""
+    if not look.strip:
+        return (None,) * len(runs)
+    columns = look.columns(len(runs))
+    return tuple(
+        draw(run, look, right - left) for run, (left, right) in zip(runs, columns, strict=True)
+    )
+
+
 def draw(run: Run, look: Look, width: int) -> Strip:
     """The strip of a run, `width` pixels wide and as high as the look has it."""
     height = look.strip_height
@@ -119,7 +129,10 @@ def _stiffness(ax: Axes, run: Run, j: int, strength: float) -> None:
     ax.plot(time, k, color=MEASURED, linewidth=2, alpha=strength)
     unit = "N/m" if int(data["slides"]) else "N m/rad"
     few = run.data.sizes["joint"] <= 3
-    ax.set_title(f"k {data['joint'].item()}" + (f" [{unit}]" if few else ""))
+    title = f"k {data['joint'].item()} [{unit}]"
+    if 0.6 * len(title) * float(ax.title.get_fontsize()) > ax.bbox.width:
+        title = title.partition(" [")[0]
+    ax.set_title(title)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
     _ordinate(ax, run, j)
     _time_axis(ax, float(ends[-1]))

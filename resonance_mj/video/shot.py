@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..errors import PictureError
-from ..experiments.experiment import Robot
+from ..experiments.sections import Robot
 
 if TYPE_CHECKING:
     from ..results.run import Run
@@ -86,6 +86,21 @@ def scale(taken: Sequence[Shot]) -> Scale:
             for name in Scale._fields
         )
     )
+
+
+def scales(taken: Sequence[Shot]) -> tuple[Scale, ...]:
+    """The scale of each run of a picture: one for all if they have the same joints."""
+    if len({one.joints for one in taken}) == 1:
+        return (scale(taken),) * len(taken)
+    return tuple(scale([one]) for one in taken)
+
+
+def common_span(
+    runs: Sequence[Run], start: float | str | None, stop: float | str | None
+) -> tuple[float, float]:
+    """First and last time [s] that `span` finds in every run."""
+    spans = [span(run, start, stop) for run in runs]
+    return max(low for low, _ in spans), min(high for _, high in spans)
 
 
 def span(run: Run, start: float | str | None, stop: float | str | None) -> tuple[float, float]:

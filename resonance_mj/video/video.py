@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import PictureError
 from ..files import could_be_written
+from ..forking import cores
 from ..results.run import Run
 from . import encoding, gl, plots
 from . import shot as shots
@@ -66,8 +67,7 @@ def render(
     for name, value in (("fps", fps), ("speed", speed)):
         if not 0 < value < float("inf"):
             raise PictureError(f"{name} = {value:g}: it must be greater than 0")
-    spans = [shots.span(one, start, stop) for one in runs]
-    low, high = max(low for low, _ in spans), min(high for _, high in spans)
+    low, high = shots.common_span(runs, start, stop)
     times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
     return film(
         runs,
@@ -114,33 +114,24 @@ def film(
     Raises:
         PictureError, OutputError, RobotError: as `render`.
     """
-    path, look, note = Path(path), look or Look(), note or (lambda line: None)
+    path, look = Path(path), look or Look()
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
     encoding.check(path, look.background == "transparent")
     could_be_written(path.parent)
-    if path.suffix.lower() == ".mp4" and (look.size[0] % 2 or look.size[1] % 2):
-        even = (look.size[0] + look.size[0] % 2, look.size[1] + look.size[1] % 2)
-        note(
-            f"size {look.size[0]}x{look.size[1]} is drawn as {even[0]}x{even[1]}: H.264 needs even"
-        )
-        look = replace(look, size=even)
+    if path.suffix.lower() == ".mp4":
+        look = _even(look, note or (lambda line: None))
     names = tuple(labels or (one.experiment.name for one in runs))
-    columns = look.columns(len(runs))
     taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
-    alike = len({shot.joints for shot in taken}) == 1
     job = Job(
         shots=taken,
-        strips=tuple(
-            plots.draw(one, look, right - left) if look.strip else None
-            for one, (left, right) in zip(runs, columns, strict=True)
-        ),
+        strips=plots.strips(tuple(runs), look),
         look=look,
-        scales=tuple(shots.scale(list(taken) if alike else [one]) for one in taken),
+        scales=shots.scales(taken),
         frames=range(len(times)),
     )
     pixels = bytearray(look.channels * look.size[0] * look.size[1])
-    count = min(workers or _cores(), len(times))
+    count = min(workers or cores(), len(times))
     with (
         _crew(job, count) as crew,
         encoding.encoder(path, look.size, fps, look.channels) as encode,
@@ -153,11 +144,14 @@ def film(
     return path
 
 
-def _cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+def _even(look: Look, note: Callable[[str], None]) -> Look:
+    """The look in a size that H.264 takes."""
+    width, height = look.size
+    even = (width + width % 2, height + height % 2)
+    if even == look.size:
+        return look
+    note(f"size {width}x{height} is drawn as {even[0]}x{even[1]}: H.264 needs even")
+    return replace(look, size=even)
 
 
 @contextmanager

@@ -1,0 +1,89 @@
+"""The section [law] of an experiment file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from .section import Angles, Gain, Gains, Section, Vector
+from .words import listed, nearest
+
+KINDS = (
+    "feedback",
+    "learning",
+    "fixed",
+    "joint-space",
+    "paper",
+    "transfer",
+    "computed-torque",
+)
+"""The laws that an experiment can name, from the one that knows least to the one that knows all."""
+
+
+class Law(Section):
+    """The controller and its gains, by the paper's symbols."""
+
+    kind: str = "transfer"
+    """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); feedback:
+    (4) without learning; learning: all torque is learned, the springs stay as they begin; fixed:
+    the same with the optimal springs; joint-space: stiffness alone adapted to desired joint angles;
+    computed-torque: optimal springs and the torque that the model asks for; or the path of a Python
+    file with a law of your own."""
+    parameters: Vector = ()
+    """Numbers for a law of your own."""
+    jacobian: Literal["damped", "inverse", "transpose"] | None = None
+    """In (8): J^-1, J^T, or the damped pseudo-inverse with the posture in its null space."""
+    velocity: Literal["jacobian", "difference"] | None = None
+    """The tool's velocity in (4) and (8): jacobian: J q̇, or difference: of its positions over the
+    last time step, which is what Euler and implicitfast mean by it; jacobian for laws as printed
+    and under RK4 and difference else if not given."""
+    k_v: Gains | None = None
+    """Velocity feedback K_v [N s/m], one for all coordinates or one each; if neither k_v nor k_p is
+    given, the feedback is -omega M y with the inertia M at home."""
+    k_p: Gains | None = None
+    """Position feedback K_p [N/m], one for all coordinates or one each."""
+    omega: Gain | None = None
+    """Bandwidth of the inertial feedback [1/s]; found from the time step if not given."""
+    alpha: Gain = 10.0
+    """Weight of the position error in (8) [1/s]."""
+    alpha_0: Gain = 10.0
+    """Weight of the posture's error in the null space [1/s]."""
+    beta: Gain | None = None
+    """Learning gain of (9) [N m s/rad]; if not given, eta times the feedback's own torque."""
+    eta: Gain = 0.5
+    """Share of the feedback's torque that is learned in a cycle, where beta is not given."""
+    gamma_k: Gains = 0.0
+    """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each."""
+    gamma_qe: Gains = 0.0
+    """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each."""
+    q_c: Angles = "mean"
+    """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion."""
+    q_s: Angles = "mean"
+    """Centre of the learning's regressor (9), (10) [rad]; "mean" as for q_c."""
+    lead: Annotated[int, Field(ge=0)] | None = None
+    """How far ahead in the stored cycle learning reads y [control periods]; 0 for the law as
+    printed and 1 else if not given."""
+    harmonics: Annotated[int, Field(ge=1)] | None = None
+    """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
+    given."""
+
+    @field_validator("kind")
+    @classmethod
+    def _known_or_a_file(cls, value: str) -> str:
+        if value in KINDS or value.endswith(".py"):
+            return value
+        raise ValueError(
+            f"valid are {listed(KINDS)}, or the path of a Python file, NAME.py"
+            + nearest(value, KINDS)
+        )
+
+    @property
+    def printed(self) -> bool:
+        """Whether the law is one of the authors', with (9), (10) and without lead if not given."""
+        return self.kind in ("paper", "joint-space")
+
+    @property
+    def follows_joints(self) -> bool:
+        """Whether the law is told the desired joint angles, and its gains act on theirs."""
+        return self.kind in ("joint-space", "computed-torque")

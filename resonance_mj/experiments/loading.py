@@ -1,0 +1,82 @@
+"""Experiments from files, from built-in names, and for an arm with nothing else given."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from pathlib import Path
+
+from .. import library
+from ..errors import ExperimentError
+from .experiment import Experiment
+from .validation import validated
+from .words import listed, nearest
+
+
+def load(name: str | os.PathLike[str]) -> Experiment:
+    """Read an experiment.
+
+    Args:
+        name: name of a built-in experiment, or path of a TOML file.
+
+    Raises:
+        ExperimentError: there is no such experiment, the file is not TOML, or a value in it is
+            not valid.
+    """
+    path = find(name)
+    try:
+        text = path.read_text(encoding="utf-8")
+        values = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ExperimentError(f"{path}: cannot be read: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ExperimentError(f"{path}: not valid TOML: {error}") from None
+    tables = [(values.get("robot"), "mjcf"), (values.get("law"), "kind")]
+    motions = values.get("motion")
+    tables += [(motion, "file") for motion in (motions if isinstance(motions, list) else ())]
+    for table, key in tables:
+        # A file that is named in an experiment is looked for beside it first.
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            beside = path.parent / table[key]
+            if beside.is_file():
+                table[key] = str(beside.resolve())
+    values.setdefault("name", path.stem)
+    return validated(Experiment, values, str(path))
+
+
+def for_robot(mjcf: str) -> Experiment:
+    """An experiment for an arm, with everything else found.
+
+    Args:
+        mjcf: path, or name in mjcf/; the experiment takes its name from it.
+    """
+    path = Path(mjcf)
+    stem = path.parent.name if path.stem in ("robot", "scene", "model") else path.stem
+    name = "".join(
+        letter if (letter.isascii() and letter.isalnum()) or letter in "._-" else "-"
+        for letter in stem
+    )
+    return validated(
+        Experiment, {"name": name.strip("._-") or "arm", "robot": {"mjcf": mjcf}}, mjcf
+    )
+
+
+def find(name: str | os.PathLike[str]) -> Path:
+    """The file of a built-in experiment's name, or of a path.
+
+    Raises:
+        ExperimentError: there is no such experiment.
+    """
+    built_in = library.experiments()
+    if isinstance(name, str) and name in built_in:
+        return built_in[name]
+    path = Path(name)
+    if path.is_file():
+        return path
+    if path.suffix == ".toml" or len(path.parts) > 1:
+        kind = "is a folder" if path.is_dir() else "does not exist"
+        raise ExperimentError(f"{path}: {kind}; give a TOML file or one of {listed(built_in)}")
+    raise ExperimentError(
+        f"no experiment is called {str(name)!r}{nearest(str(name), built_in)}; "
+        f"there are {listed(built_in)}, or give the path of a TOML file"
+    )

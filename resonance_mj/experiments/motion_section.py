@@ -1,0 +1,125 @@
+"""The sections [[motion]] of an experiment file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from .section import Finite, Positive, Section
+from .words import listed
+
+
+class Motion(Section):
+    """A periodic motion of the tool."""
+
+    duration: Positive = 20.0
+    """How long the motion is repeated [s]: a whole number of periods."""
+    period: Positive = 1.0
+    """Cycle time T [s]: a whole number of time steps."""
+    shape: Literal["ellipse", "line", "eight", "polygon", "fourier", "csv"] = "ellipse"
+    """ellipse, line, eight, polygon: with rounded corners, fourier: an offset plus harmonics, or
+    csv: a smooth closed curve through waypoints."""
+    frame: Literal["world", "base", "tool"] = "world"
+    """Whose axes and origin the motion's positions are given in: world, base: of the body that
+    carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
+    payload: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    """Mass that the tool carries during this motion, as a point at the tool [kg]; laws are not told
+    of it, and computed-torque knows it."""
+    blend: Annotated[int, Field(ge=0)] = 1
+    """Cycles in which the arm passes over into this motion, without learning; 0 for a jump."""
+    center: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
+    """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
+    is at home if not given."""
+    size: tuple[Finite, Finite] | None = None
+    """Half of the shape's two sizes in its plane [m], for a polygon the half axes of the ellipse
+    through its corners; the largest that the arm follows with margin if not given."""
+    plane: tuple[Literal["x", "y", "z"], Literal["x", "y", "z"]] | None = None
+    """The two coordinates in which an ellipse, line, eight or polygon lies; the first and the last
+    of the task's positions if not given."""
+    corners: Annotated[int, Field(ge=3)] | None = None
+    """Number of corners of a polygon, the first on the plane's first coordinate; 4 if not given."""
+    rounding: Annotated[float, Field(gt=0, le=1)] | None = None
+    """Share of a polygon's sides that its rounded corners take, up to 1; 0.5 if not given."""
+    offset: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
+    """Mean of a fourier motion [m], one per coordinate."""
+    sin: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the sines [m]: a row per coordinate, a column per harmonic."""
+    cos: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the cosines [m]: a row per coordinate, a column per harmonic."""
+    file: str | None = None
+    """Path of a csv motion's waypoints, absolute or from the experiment's folder: a column per
+    coordinate [m, rad], in order or named in a header; t [s] or phase [cycles] if not equally
+    spaced."""
+    rotation_sin: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the sines of the tool's rotation vector from its orientation at home [rad]: a
+    row each for rx, ry and rz, a column per harmonic; with any shape."""
+    rotation_cos: tuple[tuple[Finite, ...], ...] = ()
+    """Amplitudes of the cosines of the rotation vector [rad], as rotation_sin."""
+
+    @model_validator(mode="after")
+    def _fits_its_shape(self) -> Motion:
+        own = _KEYS_OF_SHAPE[self.shape]
+        every = dict.fromkeys(key for keys in _KEYS_OF_SHAPE.values() for key in keys)
+        wrong = [key for key in every if key not in own and getattr(self, key) not in (None, ())]
+        if wrong:
+            shapes = [shape for shape, keys in _KEYS_OF_SHAPE.items() if wrong[0] in keys]
+            raise ValueError(
+                f"a motion of shape {self.shape!r} takes {listed(own)}, not {listed(wrong)}; "
+                f"{wrong[0]} belongs to shape {' or '.join(map(repr, shapes))}"
+            )
+        if self.shape == "fourier" and self.offset is None:
+            raise ValueError(
+                "a motion of shape 'fourier' needs offset: its mean [m], a number per coordinate"
+            )
+        if self.shape == "csv" and not self.file:
+            raise ValueError(
+                "a motion of shape 'csv' needs file: the path of a CSV of waypoints, a row each"
+            )
+        for name, rows in (
+            ("rotation_sin", self.rotation_sin),
+            ("rotation_cos", self.rotation_cos),
+        ):
+            if rows and len(rows) != 3:
+                raise ValueError(
+                    f"{name} has {len(rows)} rows; 3 are needed, one each for rx, ry and rz"
+                )
+        for name, rows in (("sin", self.sin), ("cos", self.cos)):
+            if rows and len(rows) != len(self.offset or ()):
+                raise ValueError(
+                    f"{name} has {len(rows)} rows and offset has {len(self.offset or ())} numbers: "
+                    "both need one per coordinate"
+                )
+        if self.blend >= self.cycles:
+            raise ValueError(
+                f"blend = {self.blend} leaves no cycle of the {self.cycles} that the motion has"
+            )
+        cycles = self.duration / self.period
+        if abs(cycles - round(cycles)) > 1e-9 * cycles:
+            whole = max(1, round(cycles))
+            raise ValueError(
+                f"duration {self.duration:g} s is {cycles:.6g} periods of {self.period:g} s; "
+                f"a whole number of periods is needed, for example {whole * self.period:g} s"
+            )
+        return self
+
+    @property
+    def cycles(self) -> int:
+        """Number of cycles in the duration."""
+        return max(1, round(self.duration / self.period))
+
+    def steps(self, timestep: float) -> int:
+        """Number of time steps of `timestep` [s] in a cycle."""
+        return round(self.period / timestep)
+
+
+_IN_PLANE = ("center", "size", "plane")
+_KEYS_OF_SHAPE: dict[str, tuple[str, ...]] = {
+    "ellipse": _IN_PLANE,
+    "line": _IN_PLANE,
+    "eight": _IN_PLANE,
+    "polygon": (*_IN_PLANE, "corners", "rounding"),
+    "fourier": ("offset", "sin", "cos"),
+    "csv": ("file",),
+}
+"""What each shape is described by, besides the keys that every motion has."""

@@ -1,0 +1,115 @@
+"""The sections [robot], [task], [simulation] and [springs] of an experiment file."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from .section import Finite, Positive, Section
+
+
+class Robot(Section):
+    """Which arm, which of its points follows the motion, and where it starts."""
+
+    mjcf: str
+    """A path, or the name of a file in mjcf/."""
+    tool: str | None = None
+    """The site or body that follows the motion; found if not given."""
+    home: str | tuple[Finite, ...] | None = None
+    """Joint angles at the start, at rest [rad], or a keyframe's name; found if not given."""
+    contacts: bool = True
+    """Whether bodies collide."""
+    limits: bool = True
+    """Whether joints stop at the ends of their range."""
+
+
+class Task(Section):
+    """What of the tool's pose is controlled."""
+
+    coordinates: tuple[Literal["x", "y", "z", "rotation"], ...] | None = None
+    """Of the tool in the world frame: any of x, y, z, and rotation; the positions that the arm
+    controls if not given."""
+
+    @field_validator("coordinates", mode="before")
+    @classmethod
+    def _one_alone(cls, value: Any) -> Any:
+        return (value,) if isinstance(value, str) else value
+
+    @field_validator("coordinates")
+    @classmethod
+    def _distinct(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if value is None:
+            return value
+        if len(set(value)) != len(value):
+            raise ValueError("each coordinate may be named once")
+        if not value or value == ("rotation",):
+            raise ValueError("at least one of x, y and z is needed")
+        # Rotation is always the last, so that a motion's position comes first.
+        return tuple(sorted(value, key=lambda name: name == "rotation"))
+
+
+class Simulation(Section):
+    """How MuJoCo integrates the robot."""
+
+    timestep: Positive = 1e-3
+    """Time step and control period [s]."""
+    integrator: str = "implicitfast"
+    """Euler, implicitfast or RK4."""
+    gravity: tuple[Finite, Finite, Finite] | None = None
+    """[m/s^2]; the model's own if not given."""
+    samples: Annotated[int, Field(gt=0)] = 200_000
+    """About how many time samples are kept in the run; beyond it whole cycles are left out, and
+    pairs of cycles in a row are kept, the first two and the last two of a motion among them."""
+
+    @field_validator("integrator")
+    @classmethod
+    def _explicit_in_position(cls, value: str) -> str:
+        if value in ("Euler", "implicitfast", "RK4"):
+            return value
+        reasons = {
+            "discrete": "it treats joint springs implicitly and dissipates their energy, "
+            "which biases every torque measured here",
+            "implicit": "it adds nothing for an arm that implicitfast lacks, and costs "
+            "a full LU factorisation at each step",
+        }
+        reason = f" ({reasons[value]})" if value in reasons else ""
+        raise ValueError(f"valid integrators are Euler, implicitfast and RK4{reason}")
+
+
+class Springs(Section):
+    """What the springs can do, and how they start."""
+
+    stiffness: tuple[float, float] = (0.0, math.inf)
+    """Bounds of the stiffness [N m/rad]."""
+    equilibrium: tuple[float, float] = (-math.pi, math.pi)
+    """Bounds of the equilibrium angle q_e - q_c [rad]."""
+    initial_stiffness: Finite | tuple[Finite, ...] = 0.0
+    """k(0) [N m/rad], one for all joints or one each."""
+    initial_equilibrium: Finite | tuple[Finite, ...] = 0.0
+    """q_e(0) [rad], one for all joints or one each."""
+
+    @field_validator("stiffness", "equilibrium")
+    @classmethod
+    def _interval(cls, value: tuple[float, float]) -> tuple[float, float]:
+        lower, upper = value
+        if not lower < upper or lower == math.inf or upper == -math.inf:
+            raise ValueError("[lower, upper] with lower < upper is needed, inf for no bound")
+        return value
+
+    @model_validator(mode="after")
+    def _convex(self) -> Springs:
+        if any(map(math.isfinite, self.equilibrium)):
+            if self.stiffness[0] < 0:
+                raise ValueError(
+                    f"equilibrium = {list(self.equilibrium)} needs stiffness >= 0, and the lower "
+                    f"bound of stiffness is {self.stiffness[0]:g}: with both signs the springs' "
+                    "feasible set is not convex"
+                )
+            if not all(map(math.isfinite, self.equilibrium)):
+                raise ValueError(
+                    f"equilibrium = {list(self.equilibrium)}: give two finite bounds, or none "
+                    "as [-inf, inf]"
+                )
+        return self

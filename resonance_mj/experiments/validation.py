@@ -1,0 +1,78 @@
+"""Values against the sections that take them, with errors of one line."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from ..errors import ExperimentError
+from .words import listed, nearest, shown
+
+_PLAIN = {"model_type": "a table of keys is needed", "tuple_type": "a list is needed"}
+"""What pydantic says in words of Python."""
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def validated(model: type[Model], values: dict[str, Any], source: str) -> Model:
+    """Values as a section.
+
+    Args:
+        model: the section, or the whole experiment.
+        values: its keys and values, sections inside it as dictionaries.
+        source: what the error names: a file, or an experiment.
+
+    Raises:
+        ExperimentError: the first key or value that is not valid, and what would be.
+    """
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        raise ExperimentError(_one_line(model, error, source)) from None
+
+
+def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> str:
+    """The problem that fits the input best, as one line."""
+    problems = error.errors(include_url=False)
+    # Of a union's branches pydantic reports each; the one that looked deepest fits the input best.
+    first = max(problems, key=lambda p: (p["type"] == "extra_forbidden", len(p["loc"])))
+    names = _names(model)
+    words = [str(part) for part in first["loc"]]
+    key = ".".join(word for word in words if word.isdigit() or word in names)
+    if first["type"] == "extra_forbidden":
+        key = ".".join(words)
+        section = _section(model, words[:-1])
+        return (
+            f"{source}: {key}: unknown key{nearest(words[-1], section)}; "
+            f"valid keys here are {listed(section)}"
+        )
+    if first["type"] == "missing":
+        return f"{source}: {key}: missing; it has no default"
+    message = _PLAIN.get(first["type"], first["msg"].removeprefix("Value error, "))
+    message = message[0].lower() + message[1:]
+    where = f"{source}: {key}" if key else source
+    if not isinstance(first["input"], (dict, BaseModel)):
+        where += f" = {shown(first['input'])}"
+    return f"{where}: {message}"
+
+
+def _names(model: type[BaseModel]) -> set[str]:
+    """Every key of a section and of those inside it."""
+    inside = [_inside(field.annotation) for field in model.model_fields.values()]
+    return set(model.model_fields).union(*(_names(one) for one in inside if one is not None))
+
+
+def _section(model: type[BaseModel], path: list[str]) -> list[str]:
+    """Keys of the section at a path of keys and indices."""
+    for key in path:
+        if key in model.model_fields:
+            model = _inside(model.model_fields[key].annotation) or model
+    return list(model.model_fields)
+
+
+def _inside(annotation: Any) -> type[BaseModel] | None:
+    """The section that a field holds, alone, as an option or in a tuple."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(_inside, get_args(annotation))), None)

@@ -1,0 +1,103 @@
+"""A torque motor on each joint; the limits and rotors of the file's actuators are kept."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+BOUNDED = (
+    mujoco.mjtDyn.mjDYN_NONE,
+    mujoco.mjtDyn.mjDYN_FILTER,
+    mujoco.mjtDyn.mjDYN_FILTEREXACT,
+)
+"""Actuator dynamics whose output stays within the limits of the control."""
+
+NO_LIMIT = (-np.inf, np.inf)
+"""The ends of a torque that nothing limits [N m]."""
+
+
+def torque_limit(model: mujoco.MjModel, joint: int) -> tuple[float, float] | None:
+    """Least and greatest torque that the actuators can put on a joint; None without limit."""
+    acting = _acting_on(model, joint)
+    low, high = np.sum([_actuator_limit(model, a) for a in acting] or [NO_LIMIT], axis=0)
+    if model.jnt_actfrclimited[joint]:
+        low = max(low, model.jnt_actfrcrange[joint, 0])
+        high = min(high, model.jnt_actfrcrange[joint, 1])
+    return (float(low), float(high)) if np.isfinite([low, high]).all() and low < high else None
+
+
+def _acting_on(model: mujoco.MjModel, joint: int) -> list[int]:
+    """Ids of the actuators on a joint."""
+    return [
+        a
+        for a in range(model.nu)
+        if model.actuator_trnid[a, 0] == joint
+        and int(model.actuator_trntype[a])
+        in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    ]
+
+
+def _actuator_limit(model: mujoco.MjModel, a: int) -> tuple[float, float]:
+    """Least and greatest torque of an actuator at its joint."""
+    gear, gain = model.actuator_gear[a, 0], model.actuator_gainprm[a, 0]
+    low, high = NO_LIMIT
+    if (
+        model.actuator_ctrllimited[a]
+        and int(model.actuator_dyntype[a]) in BOUNDED
+        and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
+        and model.actuator_gaintype[a] == mujoco.mjtGain.mjGAIN_FIXED
+    ):
+        low, high = sorted(gain * model.actuator_ctrlrange[a])
+    if model.actuator_forcelimited[a]:
+        low = max(low, model.actuator_forcerange[a, 0])
+        high = min(high, model.actuator_forcerange[a, 1])
+    ends = sorted((gear * low, gear * high)) if gear else [0.0, 0.0]
+    return ends[0], ends[1]
+
+
+def keep_rotors(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int]) -> None:
+    """Leave to each joint the inertia and the damping of the actuators that are replaced."""
+    for j in chain:
+        joint = spec.joint(model.joint(j).name)
+        for a in _acting_on(model, j):
+            gear = model.actuator_gear[a, 0]
+            damping = [model.actuator_damping[a], *model.actuator_dampingpoly[a]]
+            joint.armature += gear**2 * model.actuator_armature[a]
+            joint.damping = joint.damping + gear**2 * np.array(damping)
+
+
+def is_torque_motor(actuator: mujoco.MjsActuator) -> bool:
+    """Whether an actuator of the file does what the motor does that takes its place."""
+    return bool(
+        actuator.trntype == mujoco.mjtTrn.mjTRN_JOINT
+        and actuator.gaintype == mujoco.mjtGain.mjGAIN_FIXED
+        and actuator.biastype == mujoco.mjtBias.mjBIAS_NONE
+        and actuator.dyntype == mujoco.mjtDyn.mjDYN_NONE
+        and actuator.gainprm[0] == 1.0
+        and actuator.gear[0] == 1.0
+    )
+
+
+def add_motor(spec: mujoco.MjSpec, joint: str, limit: tuple[float, float] | None) -> None:
+    """Put a torque motor on a joint, with a least and a greatest torque [N m] or without."""
+    # All that a file's default class could set otherwise is written out.
+    motor = spec.add_actuator(
+        name=f"motor_{joint}",
+        target=joint,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        gear=[1, 0, 0, 0, 0, 0],
+        ctrllimited=limit is not None,
+        ctrlrange=list(limit or (0.0, 0.0)),
+        forcelimited=False,
+        forcerange=[0.0, 0.0],
+        actlimited=False,
+        actrange=[0.0, 0.0],
+        actdim=-1,
+        damping=[0.0, 0.0, 0.0],
+        armature=0.0,
+        inheritrange=0.0,
+        group=0,
+        nsample=0,
+        delay=0.0,
+    )
+    motor.set_to_motor()

@@ -1,0 +1,74 @@
+"""Bodies put where the home pose has them: what does not move the tool is held there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from .compiling import compile_spec
+from .names import listed
+
+IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+"""The quaternion of no rotation."""
+
+
+def hold_off_chain(
+    spec: mujoco.MjSpec,
+    model: mujoco.MjModel,
+    at_home: mujoco.MjData,
+    chain: list[int],
+    path: Path,
+    notes: list[str],
+) -> None:
+    """Fix the joints that do not move the tool, and mocap bodies, where the home pose has them."""
+    off = [j for j in range(model.njnt) if j not in chain]
+    mocap = np.flatnonzero(model.body_mocapid >= 0)
+    _place(spec, model, at_home, sorted({*model.jnt_bodyid[off].tolist(), *mocap.tolist()}), path)
+    names = [model.joint(j).name for j in off]
+    for name in names:
+        spec.delete(spec.joint(name))
+    if names:
+        notes.append(f"held where the home pose has them: joints {listed(names)}")
+
+
+def _place(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], path: Path
+) -> None:
+    """Write the poses that bodies have in `data`, relative to their parents, into the spec."""
+    for body in bodies:
+        parent = int(model.body_parentid[body])
+        set_pose(
+            spec.bodies[body],
+            *_relative(data.xpos[parent], data.xquat[parent], data.xpos[body], data.xquat[body]),
+        )
+    framed = [body for body in bodies if spec.bodies[body].frame is not None]
+    if not framed:
+        return
+    # MuJoCo puts the pose of a <frame> before that of a body in it; a body without a pose shows it.
+    poses = {body: (spec.bodies[body].pos.copy(), spec.bodies[body].quat.copy()) for body in framed}
+    for body in framed:
+        set_pose(spec.bodies[body], np.zeros(3), IDENTITY)
+    bare = compile_spec(spec, path)
+    for body, (pos, quat) in poses.items():
+        within = _relative(bare.body_pos[body], bare.body_quat[body], pos, quat)
+        set_pose(spec.bodies[body], *within)
+
+
+def _relative(
+    pos: np.ndarray, quat: np.ndarray, of_pos: np.ndarray, of_quat: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The pose (of_pos, of_quat) as seen from the pose (pos, quat)."""
+    inverse, seen_pos, seen_quat = np.empty(4), np.empty(3), np.empty(4)
+    mujoco.mju_negQuat(inverse, quat)
+    mujoco.mju_rotVecQuat(seen_pos, of_pos - pos, inverse)
+    mujoco.mju_mulQuat(seen_quat, inverse, of_quat)
+    return seen_pos, seen_quat
+
+
+def set_pose(element: Any, pos: np.ndarray, quat: np.ndarray) -> None:
+    """Give a body or site its position (3,) [m] and its orientation as a quaternion (4,)."""
+    element.pos, element.quat = pos, quat
+    element.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
