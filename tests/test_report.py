@@ -18,6 +18,7 @@ from resonance_mj import cli
 from resonance_mj.errors import OutputError
 from resonance_mj.figures import catalogue
 from resonance_mj.reports import drawings, film, wording
+from resonance_mj.video import video
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PHONE, DESK = 360, 1280
@@ -53,6 +54,7 @@ def small():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(film, "SIZES", {1: (320, 180), 2: (480, 180)})
         patch.setattr(film, "FPS", 1.0)
+        patch.setattr(video, "cores", lambda: 1)  # getting ready takes longer than so few frames
         yield
 
 
@@ -121,7 +123,7 @@ class Opened:
 @pytest.mark.parametrize("which", ["single", "comparison"])
 def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, which, request):
     with Opened(browser, request.getfixturevalue(which)) as opened:
-        opened.until("document.querySelector('video').readyState >= 2")
+        opened.page.wait_for_timeout(300)
         assert opened.said == []
         assert opened.failed == []
         assert {url.partition(":")[0] for url in opened.asked} <= {"file", "data"}
@@ -129,20 +131,23 @@ def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, 
         assert sum(url.startswith("file:") for url in opened.asked) == 1
 
 
-def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, single):
-    with Opened(browser, single) as opened:
+@pytest.mark.parametrize(("which", "width"), [("single", 320), ("comparison", 480)])
+def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, which, width, request):
+    with Opened(browser, request.getfixturevalue(which)) as opened:
+        if not opened("document.createElement('video').canPlayType('video/mp4; codecs=avc1')"):
+            pytest.skip("this Chromium was built without H.264")
         opened.until("document.querySelector('video').readyState >= 2")
-        video = "document.querySelector('video')"
-        assert opened(f"[{video}.videoWidth, {video}.videoHeight]") == [320, 180]
+        shown = "document.querySelector('video')"
+        assert opened(f"[{shown}.videoWidth, {shown}.videoHeight]") == [width, 180]
         # Two cycles of a second each at the start and the end, and four about the change.
-        assert opened(f"{video}.duration") == pytest.approx(8.0, abs=0.1)
-        opened(f"{video}.play()")
-        opened.until(f"{video}.currentTime > 0.3")
-        assert opened(f"{video}.error") is None
-        opened(f"{video}.pause()")
+        assert opened(f"{shown}.duration") == pytest.approx(8.0, abs=0.1)
+        opened(f"{shown}.play()")
+        opened.until(f"{shown}.currentTime > 0.3")
+        assert opened(f"{shown}.error") is None
+        opened(f"{shown}.pause()")
         opened.page.click(".scenes button:last-child")
         begins = float(opened.page.get_attribute(".scenes button:last-child", "data-at"))
-        assert opened(f"{video}.currentTime") == pytest.approx(begins, abs=0.05)
+        assert opened(f"{shown}.currentTime") == pytest.approx(begins, abs=0.05)
 
 
 @pytest.mark.parametrize("width", [PHONE, DESK])
@@ -285,7 +290,6 @@ def test_several_runs_have_a_row_each_what_differs_and_their_own_parts(browser, 
         )
         titles = opened("[...document.querySelectorAll('article > h2')].map(e => e.innerText)")
         assert opened("document.querySelectorAll('#figures svg').length") >= 2
-        assert opened("document.querySelector('video').videoWidth") == 480
     runs = [rmj.Run.load(folder) for folder in comparison_folders(comparison)]
     expected = [
         [run.experiment.name, run.summary()["segments"][motion]["torque_reduction"]]

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from ..figures.catalogue import Entry
 from ..figures.sizes import COLUMN, PAGE
-from ..results.run import Run
+from ..results.run import Run, finite
 from . import drawings
 from .comparing import Difference, best
 from .content import Content
@@ -69,7 +69,7 @@ class Page:
             lstrip_blocks=True,
         )
         environment.filters["data_uri"] = _data_uri
-        environment.filters["json"] = lambda value: json.dumps(value, indent=2)
+        environment.filters["json"] = lambda value: json.dumps(finite(value), indent=2)
 
         def asset(name: str) -> Markup:
             assert environment.loader is not None

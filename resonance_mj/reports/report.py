@@ -58,6 +58,8 @@ def report(
             none.
     """
     given = [run] if isinstance(run, Run | str | os.PathLike) else list(run)
+    if not given:
+        raise OutputError("no run is given to report")
     folders = [None if isinstance(one, Run) else Path(one) for one in given]
     runs = [one if isinstance(one, Run) else Run.load(one) for one in given]
     path = _destination(path, folders)
