@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .experiments.loading import load
     from .figures.plot import plot
     from .optimal_springs import Optimum, optimum
+    from .reports.report import report
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
     from .video.look import Look
@@ -30,6 +31,7 @@ _HOMES = {
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
     "plot": "figures.plot",
+    "report": "reports.report",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
@@ -53,6 +55,7 @@ __all__ = [
     "optimum",
     "plot",
     "render",
+    "report",
     "simulate",
     "simulate_many",
 ]
