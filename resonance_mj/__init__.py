@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .simulation.simulation import simulate, simulate_many
     from .video.look import Look
     from .video.video import render
+    from .viewer.view import view
 
 _HOMES = {
     "Certificate": "experiments.claims",
@@ -33,6 +34,7 @@ _HOMES = {
     "simulate": "simulation.simulation",
     "simulate_many": "simulation.simulation",
     "render": "video.video",
+    "view": "viewer.view",
 }
 
 __all__ = [
@@ -52,6 +54,7 @@ __all__ = [
     "render",
     "simulate",
     "simulate_many",
+    "view",
 ]
 
 
