@@ -67,18 +67,17 @@ def whole(one: Prepared) -> Shot:
     return joined([planned(one, one.schedule.index(i)) for i in range(len(one.joints))])
 
 
-def expected(one: Prepared) -> Scale:
-    """What the overlays' full thickness, colour and length stand for before anything is known."""
-    spring = [
-        np.abs(springs.torque(best.stiffness, best.offset, best.q, best.center)).max(axis=0)
-        for best in one.optima
-    ]
-    return Scale(
-        stiffness=np.max([np.abs(best.stiffness) for best in one.optima], axis=0) + 1e-9,
-        spring=np.max(spring, axis=0) + 1e-9,
-        tau=np.max([np.abs(b.torque_without_springs).max(axis=0) for b in one.optima], axis=0)
-        + 1e-9,
-    )
+def expected(one: Prepared, segment: int) -> Scale:
+    """What the overlays' full thickness, colour and length stand for while nothing is known.
+
+    Args:
+        one: the experiment.
+        segment: which motion: its optimal springs, and the torque without any.
+    """
+    best = one.optima[segment]
+    spring = springs.torque(best.stiffness, best.offset, best.q, best.center)
+    parts = (best.stiffness[None], spring, best.torque_without_springs)
+    return Scale(*(np.abs(part).max(axis=0) + 1e-9 for part in parts))
 
 
 class Film:
@@ -96,7 +95,7 @@ class Film:
 
     def __init__(self, prepared: Prepared, memory: Memory) -> None:
         self._one, self._memory = prepared, memory
-        self.shot, self.scales = planned(prepared, 0), expected(prepared)
+        self.shot, self.scales = planned(prepared, 0), expected(prepared, 0)
         self.sample = self._begin = self._filled = 0
 
     def begin(self, cycle: int) -> None:
@@ -105,7 +104,8 @@ class Film:
             return
         coming = planned(self._one, cycle)
         # Springs that grow stiffer than the optimum's become what the thickest stands for.
-        self.scales = Scale(*map(np.maximum, self.scales, shots.scale([self.shot])))
+        hoped = expected(self._one, self._one.schedule[cycle])
+        self.scales = Scale(*map(_most, self.scales, hoped, shots.scale([self.shot])))
         before = self._last()
         without = self._one.optima[self._one.schedule[cycle - 1]].torque_squared_without_springs
         coming.reduction[:] = 1 - (before.tau**2).sum(axis=1).mean() / without
@@ -133,3 +133,7 @@ class Film:
         """The last cycle of the shot."""
         part: Any = {name: getattr(self.shot, name)[self._begin :] for name in OF_SAMPLES}
         return replace(self.shot, **part)
+
+
+def _most(*values: np.ndarray) -> np.ndarray:
+    return np.max(values, axis=0)

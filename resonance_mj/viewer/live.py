@@ -112,7 +112,7 @@ def live(
         steppers[:] = [Watched(models, prepared, window, clock)]
         return steppers[0]
 
-    with Window(film.whole(prepared), look, film.expected(prepared), clock) as window:
+    with Window(film.whole(prepared), look, film.expected(prepared, 0), clock) as window:
         while True:
             clock.go_on_at(0.0)
             try:

@@ -19,6 +19,7 @@ from ..video.shot import Scale, Shot
 from . import display
 from .captions import Captions
 from .clock import Clock
+from .decoration import Decoration
 
 FRAME = 1 / 60
 """Time between frames [s]; a display that is slower shows fewer."""
@@ -60,10 +61,13 @@ class Window:
             raise PictureError(display.ON_MACOS) from None
         self._threads = set(threading.enumerate()) - before
         self._captions = Captions(look)
+        # Images are drawn where they belong only after a figure: one of a pixel, which they cover.
+        self._viewer.set_figures((mujoco.MjrRect(0, 0, 1, 1), mujoco.MjvFigure()))
         self._next, self._state = 0.0, ""
         with self._viewer.lock():
             eye = self._place_camera()
         self._overlays = self._setting.overlays(scales, eye)
+        self._decoration = Decoration(self._setting.model, self._viewer.user_scn)
 
     def __enter__(self) -> Window:
         return self
@@ -110,6 +114,7 @@ class Window:
                 camera.lookat[:] = setting.data.site_xpos[setting.site]
             eye = np.array(setting.eye(camera))
         self._overlays.update(setting.data, sample, eye)
+        self._decoration.update()
         self._write(sample)
         self._viewer.sync()
 
