@@ -28,39 +28,44 @@ class Captions:
 
     def __init__(self, look: Look) -> None:
         self._look = look
-        self._shown: tuple[object, ...] = ()
+        self._shot: Shot | None = None
+        self._place: tuple[object, ...] = ()
         self._sample, self._since = -1, 0.0
 
-    def images(self, shot: Shot, sample: int, port: mujoco.MjrRect) -> list[Image] | None:
+    def images(
+        self, shot: Shot, label: str, sample: int, port: mujoco.MjrRect
+    ) -> list[Image] | None:
         """The lines of a sample.
 
         Args:
             shot: what is shown.
+            label: what the line above calls it.
             sample: the number of the sample.
             port: the part of the window that they are for.
 
         Returns:
             The lines; None while those from before can stay.
         """
-        shown = (shot.label, port.left, port.bottom, port.width, port.height)
+        place = (label, port.left, port.bottom, port.width, port.height)
         now = time.perf_counter()
-        if shown == self._shown and (sample == self._sample or now < self._since + READABLE):
+        if place == self._place and (sample == self._sample or now < self._since + READABLE):
             return None
-        self._shown, self._sample, self._since = shown, sample, now
-        width, height = (min(max(edge, 160), 8192) for edge in (port.width, port.height))
-        look = replace(self._look, size=(width, height))
+        if place != self._place or shot is not self._shot:
+            width, height = (min(max(edge, 160), 8192) for edge in (port.width, port.height))
+            look = replace(self._look, size=(width, height))
+            self._legend = Legend(look, port.width)
+            self._head_up = HeadUp(replace(shot, label=label), look, port.width)
+        self._shot, self._place, self._sample, self._since = shot, place, sample, now
         found = []
-        legend = Legend(look, port.width)
-        if legend.height:
-            foot = self._paper(legend.height, port.width)
-            legend.draw(foot)
-            found.append((mujoco.MjrRect(port.left, port.bottom, port.width, legend.height), foot))
-        if look.head_up:
-            line = HeadUp(shot, look, port.width)
-            top = self._paper(line.height, port.width)
-            line.draw(top, sample)
-            bottom = port.bottom + port.height - line.height
-            found.append((mujoco.MjrRect(port.left, bottom, port.width, line.height), top))
+        if self._legend.height:
+            foot = self._paper(self._legend.height, port.width)
+            self._legend.draw(foot)
+            found.append((mujoco.MjrRect(port.left, port.bottom, port.width, len(foot)), foot))
+        if self._look.head_up:
+            top = self._paper(self._head_up.height, port.width)
+            self._head_up.draw(top, sample)
+            bottom = port.bottom + port.height - len(top)
+            found.append((mujoco.MjrRect(port.left, bottom, port.width, len(top)), top))
         return found
 
     def _paper(self, height: int, width: int) -> np.ndarray:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import queue
+import signal
 import threading
 import time
-from dataclasses import replace
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 
 import mujoco
@@ -44,10 +46,32 @@ class Window:
     """
 
     def __init__(self, shot: Shot, look: Look, scales: Scale, clock: Clock) -> None:
-        self._shot, self._look, self._clock = shot, look, clock
+        self._shot, self._look, self._scales, self._clock = shot, look, scales, clock
         self._setting = Setting(shot, look, look.size)
         self._setting.camera(1.0)  # one that is not there is said before the window opens
+        self._captions = Captions(look)
         self._keys: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self._opened = False
+        self._next, self._state = 0.0, ""
+
+    def __enter__(self) -> Window:
+        try:
+            with _interrupts_wait():
+                self._open()
+        except BaseException:
+            self._close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._close()
+
+    def _open(self) -> None:
         before = set(threading.enumerate())
         try:
             self._viewer = mujoco.viewer.launch_passive(
@@ -59,29 +83,20 @@ class Window:
             )
         except RuntimeError:
             raise PictureError(display.ON_MACOS) from None
-        self._threads = set(threading.enumerate()) - before
-        self._captions = Captions(look)
+        self._threads, self._opened = set(threading.enumerate()) - before, True
         # Images are drawn where they belong only after a figure: one of a pixel, which they cover.
         self._viewer.set_figures((mujoco.MjrRect(0, 0, 1, 1), mujoco.MjvFigure()))
-        self._next, self._state = 0.0, ""
         with self._viewer.lock():
             eye = self._place_camera()
-        self._overlays = self._setting.overlays(scales, eye)
+        self._overlays = self._setting.overlays(self._scales, eye)
         self._decoration = Decoration(self._setting.model, self._viewer.user_scn)
 
-    def __enter__(self) -> Window:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._viewer.close()
-        for thread in self._threads:
-            # A process that ends while the window closes crashes.
-            thread.join()
+    def _close(self) -> None:
+        if self._opened:
+            self._viewer.close()
+            for thread in self._threads:
+                # A process that ends while the window closes crashes.
+                thread.join()
 
     @property
     def late(self) -> bool:
@@ -145,7 +160,23 @@ class Window:
         clock = self._clock
         speed = f"× {clock.speed:g}" if clock.speed != 1 else ""
         parts = [self._shot.label, self._state, speed, "paused" if clock.paused else ""]
-        shot = replace(self._shot, label=", ".join(filter(None, parts)))
-        images = self._captions.images(shot, sample, self._viewer.viewport)
+        label, port = ", ".join(filter(None, parts)), self._viewer.viewport
+        images = self._captions.images(self._shot, label, sample, port)
         if images is not None:
             self._viewer.set_images(images)
+
+
+@contextmanager
+def _interrupts_wait() -> Iterator[None]:
+    """Let an interrupt wait for the end of the block: a window half open cannot be closed."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        raise KeyboardInterrupt
