@@ -1,4 +1,4 @@
-"""The viewer as a user gets it: a real window on a virtual display, and its clock in closed form."""
+"""The viewer as a user gets it: a real window on a virtual display; its clock in closed form."""
 
 import os
 import signal
@@ -140,6 +140,19 @@ def test_what_is_watched_is_the_run_that_simulate_makes_bit_for_bit(
     watched = live(prepared, speed)
     assert watched.status is rmj.Status.OK
     assert watched.data.equals(run.data)
+
+
+def test_payloads_and_passages_are_watched_as_they_are_simulated(pretended):
+    experiment = rmj.load("two-link-changes")
+    cycles = {
+        f"motion.{i}.duration": motion.period * (motion.blend + 2)
+        for i, motion in enumerate(experiment.motion)
+    }
+    experiment = experiment.replace(cycles)
+    one = prepare(experiment)
+    assert one.robot.payload is not None
+    assert one.passages
+    assert live(one, 5.0).data.equals(rmj.simulate(experiment).data)
 
 
 def test_each_frame_shows_the_last_step_that_the_clock_has_passed(prepared, pretended):
@@ -293,6 +306,22 @@ def test_a_replay_ends_once_its_span_is_over(screen, folder):
     said = process.communicate(timeout=60)
     assert (process.returncode, said[1]) == (0, "")
     assert (screen.picture() == 0).all()
+
+
+def test_windows_open_one_after_the_other_in_one_process(screen, folder):
+    code = (
+        "import sys, resonance_mj as rmj\n"
+        "run = rmj.Run.load(sys.argv[1])\n"
+        "print([rmj.view(run, stop=0.2, once=True) is run for _ in range(2)])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(folder)],
+        env=screen.environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "[True, True]\n", "")
 
 
 def test_an_interrupt_closes_the_window_and_is_one_line(screen, folder):

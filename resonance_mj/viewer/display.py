@@ -9,6 +9,8 @@ from collections.abc import Mapping
 
 from ..errors import PictureError
 
+NAMES = ("DISPLAY", "WAYLAND_DISPLAY")
+"""What of the environment names a display on Linux."""
 INSTEAD = (
     "`resonance-mj render RUN` films a run without a display, and `xvfb-run -a resonance-mj view "
     "...` opens the window on a virtual one"
@@ -27,31 +29,31 @@ def check(environment: Mapping[str, str] = os.environ, platform: str = sys.platf
     Raises:
         PictureError: there is no display, or no OpenGL on it.
     """
-    if platform == "darwin":
-        return  # Only mjpython may try, on a thread of its own; `Window` says so.
-    names = ("DISPLAY", "WAYLAND_DISPLAY")
-    if platform == "linux" and not any(environment.get(name) for name in names):
-        raise PictureError(f"no display: neither {' nor '.join(names)} is set; {INSTEAD}")
+    if platform != "linux":
+        return  # On macOS only mjpython may try, on a thread of its own; `Window` says so.
+    if not any(environment.get(name) for name in NAMES):
+        raise PictureError(f"no display: neither {' nor '.join(NAMES)} is set; {INSTEAD}")
     import glfw
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what GLFW says of an error, which is read below
-        try:
-            opened = glfw.init() and _try_window()
-            reason = "" if opened else glfw.get_error()[1]
-        finally:
-            glfw.terminate()
-    if not opened:
-        said = reason.decode() if isinstance(reason, bytes) else str(reason or "GLFW does not say")
-        shown = ", ".join(f"{name}={environment[name]}" for name in names if environment.get(name))
-        raise PictureError(f"no window can be opened ({shown or platform}: {said}); {INSTEAD}")
+        if _opens():
+            return
+        said = glfw.get_error()[1] or "GLFW does not say why"
+    shown = ", ".join(f"{name}={environment[name]}" for name in NAMES if environment.get(name))
+    reason = said.decode() if isinstance(said, bytes) else said
+    raise PictureError(f"no window can be opened ({shown}: {reason}); {INSTEAD}")
 
 
-def _try_window() -> bool:
+def _opens() -> bool:
+    """Whether a window opens, which is not shown. GLFW stays up: it cannot be begun twice."""
     import glfw
 
+    if not glfw.init():
+        return False
     glfw.window_hint(glfw.VISIBLE, glfw.FALSE)
     window = glfw.create_window(64, 64, "resonance-mj", None, None)
+    glfw.default_window_hints()
     if window:
         glfw.destroy_window(window)
     return bool(window)
