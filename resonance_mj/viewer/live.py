@@ -62,7 +62,8 @@ class Watched(Alone):
         self._film.begin(self._cycle)
         done = 0
         while done < steps:
-            due = self._clock.steps(self._dt) - self._taken
+            failed = self._recorded(steps) < steps
+            due = steps if failed else self._clock.steps(self._dt) - self._taken
             some = min(due, steps - done, PORTION)
             if some > 0:
                 super().step(robots, some)
@@ -106,22 +107,21 @@ def live(
         The last run that ended, None if there is none.
     """
     run: Run | None = None
-    steppers: list[Watched] = []
-
-    def stepper(models: list[mujoco.MjModel]) -> Watched:
-        steppers[:] = [Watched(models, prepared, window, clock)]
-        return steppers[0]
-
     with Window(film.whole(prepared), look, film.expected(prepared, 0), clock) as window:
         while True:
             clock.go_on_at(0.0)
+            watched = Watched([prepared.robot.model], prepared, window, clock)
             try:
-                run = simulate_prepared([prepared], stepper)[0]
+                run = _simulate(prepared, watched)
                 ended(run)
                 while not once:
-                    steppers[0].show("the end" if run.status is Status.OK else str(run.status))
+                    watched.show("the end" if run.status is Status.OK else str(run.status))
                 return run
             except Restarted:
                 continue
             except Closed:
                 return run
+
+
+def _simulate(prepared: Prepared, watched: Watched) -> Run:
+    return simulate_prepared([prepared], lambda models: watched)[0]
