@@ -22,8 +22,9 @@ from matplotlib.figure import Figure
 from readings import Changes, alone
 
 import resonance_mj as rmj
-from resonance_mj.figures.figures import MUTED, STYLE
+from resonance_mj.figures.style import STYLE
 from resonance_mj.optimal_springs import follow
+from resonance_mj.palette import MUTED
 from resonance_mj.simulation.preparation import prepare
 from resonance_mj.stability import sampled_loop
 from resonance_mj.stability.divergence import POSES, Divergence, divergences

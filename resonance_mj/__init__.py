@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     from .experiments.claims import Certificate, Certificates
     from .experiments.experiment import Experiment
     from .experiments.loading import load
+    from .figures.plot import plot
     from .optimal_springs import Optimum, optimum
+    from .reports.report import report
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
     from .video.look import Look
@@ -29,6 +31,8 @@ _HOMES = {
     "Look": "video.look",
     "Optimum": "optimal_springs",
     "optimum": "optimal_springs",
+    "plot": "figures.plot",
+    "report": "reports.report",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
@@ -51,7 +55,9 @@ __all__ = [
     "compare",
     "load",
     "optimum",
+    "plot",
     "render",
+    "report",
     "simulate",
     "simulate_many",
     "view",

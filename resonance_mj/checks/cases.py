@@ -15,7 +15,6 @@ from ..errors import ExperimentError
 from ..experiments.expectations import Expected
 from ..experiments.experiment import Experiment
 from ..experiments.loading import find, load
-from ..robots.robot import build
 
 
 def holds_expectations(path: Path) -> bool:
@@ -71,6 +70,9 @@ def read(path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None)
             or a joint that is not there.
         RobotError: the robot cannot be loaded.
     """
+    # MuJoCo is imported where an arm is built: a report judges without it.
+    from ..robots.robot import build
+
     experiment = load(path).replace(changes or {})
     if not holds_expectations(find(path)):
         raise ExperimentError(

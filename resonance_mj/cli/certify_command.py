@@ -39,10 +39,10 @@ def execute(options: argparse.Namespace) -> int:
 def certified(run: Run, folder: Path, console: Console) -> list[str]:
     """Print and draw a run's certificates; the names of the files that were written."""
     from ..certificates.certificates import certify
-    from ..figures import certificate_figure, figures
+    from ..figures import certificate_figure, saving
     from . import tables
 
     found = certify(run)
-    drawn = figures.save(certificate_figure.figure(found), folder, "certificates")
+    drawn = saving.save(certificate_figure.figure(found), folder, "certificates")
     console.print(tables.certificates(found))
     return [path.name for path in drawn]

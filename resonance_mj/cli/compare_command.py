@@ -30,7 +30,7 @@ def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
     from ..comparison import comparison
-    from ..figures import comparison_figure, figures
+    from ..figures import comparison_figure, saving
     from ..files import could_be_written
     from . import tables
 
@@ -39,7 +39,7 @@ def execute(options: argparse.Namespace) -> int:
     with bar(f"{experiment.name}: all laws", "cycles", screen) as show:
         found = comparison.compare(experiment, long=options.long, progress=show)
     found.save(folder)
-    figures.save(comparison_figure.figure(found), folder, "compare")
+    saving.save(comparison_figure.figure(found), folder, "compare")
     screen.print(tables.comparison(found))
     screen.print(
         f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "

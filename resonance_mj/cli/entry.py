@@ -23,6 +23,7 @@ COMMANDS = {
     "check": "check_command",
     "render": "render_command",
     "view": "view_command",
+    "report": "report_command",
     "list": "list_command",
     "keys": "keys_command",
     "version": "version_command",

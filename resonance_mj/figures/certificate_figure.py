@@ -9,64 +9,55 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from ..experiments.claims import ROUNDING, Certificate, Certificates
-from .figures import DESIRED, MEASURED, MUTED, OPTIMAL, STYLE
-
-JOINTS = (MEASURED, "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442")
-"""Okabe and Ito's palette, without the colour of what fails."""
+from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL, SERIES
+from .sheet import Row, Sheet
+from .sizes import PAGE
+from .style import SMALL, STYLE
 
 FAILING = OPTIMAL
+
+NARROW = 2.4
+"""Width of a motion's column, at the least [in]."""
 
 NOTHING = 1e-17
 """Where exactly nothing is drawn on a logarithmic axis."""
 
 
-def figure(found: Certificates) -> Figure:
+def figure(found: Certificates, width: float = PAGE) -> Figure:
     """A column for each motion that was reached; cycles that fail are marked.
 
     Args:
         found: from `certify`.
+        width: of the figure [in].
     """
     rows = [found.of(equation) for equation in ("(11)", "(15)", "(22)")]
     columns = list(zip(*rows, strict=True))
     reached = [column for column in columns if any(item.cycles.size for item in column)] or columns
+    width = max(width, NARROW * len(reached))
     with matplotlib.rc_context(STYLE):
-        width, height = max(4.6 * len(reached), 6.0), 6.6
-        fig = Figure(figsize=(width, height))
-        grid = fig.add_gridspec(
-            len(rows),
+        sheet = Sheet(
+            width,
+            [Row(1.3, 0.34, 0.34)] * len(rows),
             len(reached),
-            left=0.6 / width,
-            right=1 - 0.15 / width,
-            bottom=0.45 / height,
-            top=1 - 0.65 / height,
-            hspace=0.42,
-            wspace=0.2,
+            heading=f"{found.name}: certificates of the stability proof",
         )
         for column, items in enumerate(reached):
             for row, (item, draw) in enumerate(zip(items, DRAWINGS, strict=True)):
-                ax = fig.add_subplot(grid[row, column])
-                ax.set_title(f"{item.claim.equation} motion {item.motion}: ", loc="left")
+                ax = sheet.panel(row, column)
+                ax.set_title(f"{item.claim.equation} motion {item.motion}: ", pad=14)
                 if item.note:
                     _say(ax, item.note)
                 else:
                     draw(ax, item, found)
                     _finish(ax, item)
-        fig.suptitle(
-            f"{found.name}: certificates of the stability proof",
-            x=0.6 / width,
-            y=1 - 0.15 / height,
-            ha="left",
-            va="top",
-            fontsize=10,
-        )
-    return fig
+    return sheet.figure
 
 
 def _orthogonality(ax: Axes, item: Certificate, found: Certificates) -> None:
-    _title(ax, "share left over")
+    _title(ax, "share left over [1]")
     values = np.maximum(item.values, NOTHING)
     for joint, name in enumerate(found.joints):
-        colour = JOINTS[joint % len(JOINTS)]
+        colour = SERIES[joint % len(SERIES)]
         ax.plot(item.cycles, values[:, joint], ".-", ms=3, color=colour, label=name)
     ax.axhline(ROUNDING, color=DESIRED, linestyle="--")
     ax.set_yscale("log")
@@ -89,6 +80,7 @@ def _passivity(ax: Axes, item: Certificate, found: Certificates) -> None:
             xycoords="axes fraction",
             va="center",
             color=MUTED,
+            fontsize=SMALL,
         )
     _mark(ax, item, item.values, "fails")
 
@@ -110,7 +102,7 @@ DRAWINGS = (_orthogonality, _passivity, _decrease)
 
 
 def _title(ax: Axes, what: str) -> None:
-    ax.set_title(ax.get_title(loc="left") + what, loc="left")
+    ax.set_title(ax.get_title(loc="left") + what, pad=14)
 
 
 def _mark(ax: Axes, item: Certificate, values: np.ndarray, label: str) -> None:
@@ -125,10 +117,11 @@ def _finish(ax: Axes, item: Certificate) -> None:
     ax.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10], integer=True))
     if ax.get_legend_handles_labels()[0]:
         ax.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.0, 0.98),
-            ncols=4,
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=8,
             borderaxespad=0.1,
+            borderpad=0.1,
             handlelength=1.5,
             handletextpad=0.5,
             columnspacing=1.0,

@@ -16,10 +16,12 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ..files import replacing
 from ..forking import cores
+from .sizes import DRAFT
 
 if TYPE_CHECKING:
     from ..results.run import Run
@@ -72,8 +74,13 @@ def ready() -> Iterator[Draw]:
 
 
 def _draw_here(run: Run, folder: Path) -> list[Path]:
-    figures = import_module(".figures", __package__)
-    return list(figures.save(figures.figure(run), folder))
+    overview, saving = _needed()
+    return list(saving.save(overview.draw([run]), folder, "figure", dpi=DRAFT))
+
+
+def _needed() -> tuple[ModuleType, ModuleType]:
+    """What draws and what writes: imported when it is needed, as it takes matplotlib."""
+    return import_module(".overview", __package__), import_module(".saving", __package__)
 
 
 def _moved(drawn: Path, folder: Path) -> Path:
@@ -85,7 +92,7 @@ def _moved(drawn: Path, folder: Path) -> Path:
 
 if __name__ == "__main__":
     import_module("..results.run", __package__)
-    import_module(".figures", __package__)
+    _needed()
     _draw_here(pickle.load(sys.stdin.buffer), Path(sys.argv[1]))
     # Another process waits: it is not kept waiting until all modules are taken down.
     os._exit(0)

@@ -118,4 +118,4 @@ LAWS: dict[str, Law] = {
     "transfer": Law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe")),
     "computed-torque": Law(joint_space, nothing, told=("joints", "springs", "torque")),
 }
-"""The laws that come with the program; `experiment.KINDS` has their names."""
+"""The laws that come with the program; `law_section.KINDS` has their names."""

@@ -98,7 +98,7 @@ class Run:
             )
             data.to_netcdf(path, engine="h5netcdf")
         with replacing(folder / "summary.json") as path:
-            path.write_text(json.dumps(_finite(self.summary()), indent=2) + "\n", encoding="utf-8")
+            path.write_text(json.dumps(finite(self.summary()), indent=2) + "\n", encoding="utf-8")
         with replacing(folder / "experiment.toml") as path:
             made_by = "".join(f"# {name} {number}\n" for name, number in self.versions.items())
             path.write_text(
@@ -136,10 +136,10 @@ class Run:
             raise OutputError(f"{path}: is not a run of this program: {error}") from None
 
 
-def _finite(value: Any) -> Any:
-    """JSON has no infinity and no NaN: they become null."""
+def finite(value: Any) -> Any:
+    """What JSON can hold of a value: it has no infinity and no NaN, which become null."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

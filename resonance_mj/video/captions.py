@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from .look import MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO, TOOL, Look, rgb
+from ..palette import MEASURED, MOTOR, MUTED, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
+from .look import Look, rgb
 from .shot import Shot
 
 # Matplotlib brings the fonts of the plots; it need not be imported for them.
@@ -74,7 +75,7 @@ class Legend:
         if look.path:
             items.append(((look.ink, "", look.ink), "desired path"))
         if look.trail:
-            items.append(((TOOL,), "tool"))
+            items.append(((MEASURED,), "tool"))
         if look.springs:
             ramp = (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
             items.append((ramp, "spring torque −, 0, +; thick: stiff, dashed: k < 0"))
@@ -95,7 +96,10 @@ class Legend:
         for colours, text in items:
             for shade in colours:
                 if shade:
-                    pen.rectangle((x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size), fill=shade)
+                    # The outline shows a swatch that is as bright as the paper.
+                    edge = MUTED if shade == SPRING_ZERO else shade
+                    box = (x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size)
+                    pen.rectangle(box, fill=shade, outline=edge)
                 x += 0.7 * size
             pen.text((x + 0.4 * size, y), text, look.ink, font=_font(size), anchor="lm")
             x += _font(size).getlength(text) + 1.8 * size

@@ -87,3 +87,26 @@ def encoder(
             said = errors.read().decode(errors="replace").strip().splitlines()
             reason = said[0].rpartition("] ")[2] if said else f"ffmpeg ended with status {status}"
             raise OutputError(f"{path}: cannot be written: {reason}")
+
+
+def still(path: Path, seconds: float) -> bytes:
+    """A frame of a video as a JPEG file's bytes: what stands for the video before it plays.
+
+    Args:
+        path: the video.
+        seconds: which of its frames: the one that is shown at this time.
+
+    Raises:
+        PictureError: there is no frame at this time.
+    """
+    import imageio_ffmpeg
+
+    command = [
+        *(imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error"),
+        *("-ss", f"{seconds:.3f}", "-i", str(path), "-frames:v", "1"),
+        *("-f", "image2pipe", "-c:v", "mjpeg", "-q:v", "4", "pipe:1"),
+    ]
+    picture = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True).stdout
+    if not picture:
+        raise PictureError(f"{path}: has no frame at {seconds:g} s")
+    return picture

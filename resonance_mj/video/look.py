@@ -10,11 +10,6 @@ GAP = 4
 """Columns between runs side by side [pixels]."""
 BACKGROUNDS = ("sky", "white", "dark", "transparent")
 
-# Okabe and Ito's palette, as in the figures; motor torque and trail have a colour each.
-MEASURED, OPTIMAL, MUTED = "#0072B2", "#D55E00", "#7F7F7F"
-TOOL, MOTOR = "#0072B2", "#AA3377"
-SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE = "#E69F00", "#C4C4C4", "#009E73"
-
 
 @dataclass(frozen=True)
 class Look:

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from ..palette import MEASURED, MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
 from . import tubes
-from .look import MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO, TOOL, Look
+from .look import Look
 from .shot import Scale, Shot
 from .stage import PREFIX, colour
 
@@ -172,7 +173,7 @@ class Overlays:
         points = np.array([self.tool(i) for i in np.maximum(index, since)])
         points = self._before_all(points, eye)
         radius = np.linspace(0.0, 0.075 * self.size, TRAIL_RINGS)
-        self._set("trail", tubes.tube(points, radius, _normal(points)), colour(TOOL))
+        self._set("trail", tubes.tube(points, radius, _normal(points)), colour(MEASURED))
 
     def _update_spring(
         self, j: int, joint: Joint, s: int, anchor: np.ndarray, axis: np.ndarray, link: np.ndarray

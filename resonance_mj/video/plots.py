@@ -11,8 +11,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
+from ..palette import MEASURED, MUTED, OPTIMAL
 from ..results.run import Run
-from .look import MEASURED, MUTED, OPTIMAL, Look
+from .look import Look
 from .strip import Strip
 
 
@@ -128,7 +129,10 @@ def _stiffness(ax: Axes, run: Run, j: int, strength: float) -> None:
     ax.plot(time, k, color=MEASURED, linewidth=2, alpha=strength)
     unit = "N/m" if int(data["slides"]) else "N m/rad"
     few = run.data.sizes["joint"] <= 3
-    ax.set_title(f"k {data['joint'].item()}" + (f" [{unit}]" if few else ""))
+    title = f"k {data['joint'].item()} [{unit}]"
+    if 0.6 * len(title) * float(ax.title.get_fontsize()) > ax.bbox.width:
+        title = title.partition(" [")[0]
+    ax.set_title(title)
     ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
     _ordinate(ax, run, j)
     _time_axis(ax, float(ends[-1]))

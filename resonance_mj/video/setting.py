@@ -70,14 +70,17 @@ class Setting:
 
     def _in_the_picture(self) -> tuple[np.ndarray, np.ndarray]:
         """What must be in the picture (P, 3), and where the tool is in some poses (T, 3) [m]."""
-        joints, tool = [], []
+        joints, tool, bodies = [], [], []
+        moves = self.model.body_weldid[self.model.geom_bodyid] > 0
+        shown = np.flatnonzero(moves & (self.model.geom_rgba[:, 3] > 0))
         # The samples reach beyond the frames by a cycle: the whole path is in the picture.
         for q in self._shot.q[:: max(1, len(self._shot.q) // POSES)]:
             self.data.qpos[self._address] = q
             mujoco.mj_kinematics(self.model, self.data)
             joints.append(self.data.xanchor[self._ids])
             tool.append(self.data.site_xpos[self.site].copy())
+            bodies.append(stage.corners(self.model, self.data, shown))
         wide = 1.5 * overlays.size(np.vstack([joints[0], tool[0]]))
         sides = wide * np.vstack([np.eye(3), -np.eye(3)])
         around = (np.concatenate(joints)[:, None] + sides).reshape(-1, 3)
-        return np.concatenate([around, tool]), np.array(tool)
+        return np.concatenate([around, tool, *bodies]), np.array(tool)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import mujoco
 import numpy as np
 
@@ -55,10 +57,8 @@ def prepare(
     spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
     for name, rings in overlays.items():
         _add_tube(spec, PREFIX + name, rings)
-    # A buffer is made larger where the picture needs it, and never smaller.
-    buffer = spec.visual.global_
-    buffer.offwidth = max(buffer.offwidth, size[0])
-    buffer.offheight = max(buffer.offheight, size[1])
+    # Each process that draws has the buffer in memory, several times: it is no larger than needed.
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = size
     return compile_spec(spec, path), arm.tool
 
 
@@ -75,6 +75,15 @@ def lowest(model: mujoco.MjModel, shot: Shot) -> float:
         reach = (np.abs(rotation[:, 2]) * model.geom_aabb[:, 3:]).sum(axis=1)
         found = min(found, float((middle[:, 2] - reach).min(initial=0.0)))
     return found
+
+
+def corners(model: mujoco.MjModel, data: mujoco.MjData, geoms: np.ndarray) -> np.ndarray:
+    """Corners of the boxes around some geoms, by their ids (g,), in the world (8 g, 3) [m]."""
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    within = model.geom_aabb[geoms, None, :3] + signs * model.geom_aabb[geoms, None, 3:]
+    rotation = data.geom_xmat[geoms].reshape(-1, 3, 3)
+    found = data.geom_xpos[geoms, None] + np.einsum("gij,gcj->gci", rotation, within)
+    return np.asarray(found.reshape(-1, 3))
 
 
 def colour(text: str) -> np.ndarray:

@@ -11,6 +11,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import PictureError
 from ..files import could_be_written
 from ..forking import cores
@@ -62,23 +64,68 @@ def render(
         RobotError: the arm's MJCF is missing.
     """
     runs = (run,) if isinstance(run, Run) else tuple(run)
-    path, look = Path(path), look or Look()
     for name, value in (("fps", fps), ("speed", speed)):
         if not 0 < value < float("inf"):
             raise PictureError(f"{name} = {value:g}: it must be greater than 0")
+    low, high = shots.common_span(runs, start, stop)
+    times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
+    return film(
+        runs,
+        path,
+        times,
+        fps,
+        look=look,
+        labels=labels,
+        workers=workers,
+        progress=progress,
+        note=note,
+    )
+
+
+def film(
+    runs: Sequence[Run],
+    path: str | os.PathLike[str],
+    times: np.ndarray,
+    fps: float,
+    *,
+    look: Look | None = None,
+    labels: Sequence[str] | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    note: Callable[[str], None] | None = None,
+) -> Path:
+    """Film runs at given times, which need not follow each other evenly.
+
+    Args:
+        runs: the runs, side by side.
+        path: the video: .mp4 (H.264), .webp or .gif.
+        times: of the frames (F,) [s], ascending; every run has a sample at each, as those from
+            `shot.times`.
+        fps: frames per second.
+        look: as for `render`; so are labels, workers, progress and note.
+        labels: what the picture calls each run.
+        workers: processes that draw.
+        progress: is called with the number of frames done and that of all.
+        note: is called with each line that the user should know.
+
+    Returns:
+        The path of the video.
+
+    Raises:
+        PictureError, OutputError, RobotError: as `render`.
+    """
+    path, look = Path(path), look or Look()
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
     encoding.check(path, look.background == "transparent")
     could_be_written(path.parent)
     if path.suffix.lower() == ".mp4":
         look = _even(look, note or (lambda line: None))
-    low, high = shots.common_span(runs, start, stop)
-    times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
     names = tuple(labels or (one.experiment.name for one in runs))
     taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
     job = Job(
         shots=taken,
-        strips=plots.strips(runs, look),
+        strips=plots.strips(tuple(runs), look),
         look=look,
         scales=shots.scales(taken),
         frames=range(len(times)),

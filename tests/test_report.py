@@ -1,0 +1,448 @@
+"""Reports as a reader gets them: opened from disk in a real browser, printed, and their errors."""
+
+import base64
+import dataclasses
+import json
+import re
+import shutil
+import subprocess
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import resonance_mj as rmj
+from resonance_mj import cli
+from resonance_mj.errors import OutputError
+from resonance_mj.figures import catalogue
+from resonance_mj.reports import drawings, film, wording
+from resonance_mj.video import video
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+PHONE, DESK = 360, 1280
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium that is installed on this machine."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip(f"no browser to open reports in: none of {', '.join(BROWSERS)} is on the PATH")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """The paper's arm for five cycles of each motion, under the paper's law and the transfer."""
+    short = {"motion.0.duration": 5.0, "motion.1.duration": 5.0}
+    found = []
+    for name in ("paper", "two-link-transfer"):
+        run = rmj.simulate(rmj.load(name).replace(short))
+        found.append(run.save(tmp_path_factory.mktemp("runs") / name))
+    return found
+
+
+@pytest.fixture(scope="module")
+def small():
+    """Films of few and small frames."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(film, "SIZES", {1: (320, 180), 2: (480, 180)})
+        patch.setattr(film, "FPS", 1.0)
+        patch.setattr(video, "cores", lambda: 1)  # getting ready takes longer than so few frames
+        yield
+
+
+@contextmanager
+def few_figures():
+    """Two figures of a run, and that of several: drawing all takes seconds."""
+    chosen = [
+        each for each in catalogue.FIGURES if each.name in ("cycles", "springs", "convergence")
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(catalogue, "FIGURES", tuple(chosen))
+        yield
+
+
+@pytest.fixture
+def few():
+    with few_figures():
+        yield
+
+
+@pytest.fixture(scope="module")
+def single(folders, small):
+    with few_figures():
+        return rmj.report(folders[0])
+
+
+@pytest.fixture(scope="module")
+def comparison(folders, small):
+    with few_figures():
+        return rmj.report(folders)
+
+
+class Opened:
+    """A page in a browser, and all that it said and asked for."""
+
+    def __init__(self, browser, path, width=DESK, scheme="light"):
+        self.context = browser.new_context(
+            viewport={"width": width, "height": 800}, color_scheme=scheme
+        )
+        self.said, self.asked, self.failed = [], [], []
+        page = self.page = self.context.new_page()
+        page.on("console", lambda message: self.said.append(message.text))
+        page.on("pageerror", lambda error: self.said.append(str(error)))
+        page.on("request", lambda request: self.asked.append(request.url))
+        page.on("requestfailed", lambda request: self.failed.append(request.url[:100]))
+        page.goto(path.resolve().as_uri())
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.context.close()
+
+    def __call__(self, script):
+        return self.page.evaluate(script)
+
+    def until(self, script):
+        """Wait for what a script says; the page's own policy forbids it to wait in the page."""
+        for _ in range(200):
+            if self(script):
+                return
+            self.page.wait_for_timeout(50)
+        raise AssertionError(f"never: {script}")
+
+
+@pytest.mark.parametrize("which", ["single", "comparison"])
+def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, which, request):
+    with Opened(browser, request.getfixturevalue(which)) as opened:
+        opened.page.wait_for_timeout(300)
+        assert opened.said == []
+        assert opened.failed == []
+        assert {url.partition(":")[0] for url in opened.asked} <= {"file", "data"}
+        # One file: the page itself, and nothing beside it.
+        assert sum(url.startswith("file:") for url in opened.asked) == 1
+
+
+@pytest.mark.parametrize(("which", "width"), [("single", 320), ("comparison", 480)])
+def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, which, width, request):
+    with Opened(browser, request.getfixturevalue(which)) as opened:
+        if not opened("document.createElement('video').canPlayType('video/mp4; codecs=avc1')"):
+            pytest.skip("this Chromium was built without H.264")
+        opened.until("document.querySelector('video').readyState >= 2")
+        shown = "document.querySelector('video')"
+        assert opened(f"[{shown}.videoWidth, {shown}.videoHeight]") == [width, 180]
+        # Two cycles of a second each at the start and the end, and four about the change.
+        assert opened(f"{shown}.duration") == pytest.approx(8.0, abs=0.1)
+        opened(f"{shown}.play()")
+        opened.until(f"{shown}.currentTime > 0.3")
+        assert opened(f"{shown}.error") is None
+        opened(f"{shown}.pause()")
+        opened.page.click(".scenes button:last-child")
+        begins = float(opened.page.get_attribute(".scenes button:last-child", "data-at"))
+        assert opened(f"{shown}.currentTime") == pytest.approx(begins, abs=0.05)
+
+
+@pytest.mark.parametrize("width", [PHONE, DESK])
+@pytest.mark.parametrize("which", ["single", "comparison"])
+def test_nothing_is_wider_than_the_screen(browser, which, width, request):
+    with Opened(browser, request.getfixturevalue(which), width) as opened:
+        opened("document.querySelectorAll('details').forEach(each => each.open = true)")
+        assert opened("document.documentElement.scrollWidth") <= width
+        # What is wider scrolls in its own box; all else is inside the screen.
+        out = opened(
+            "[...document.querySelectorAll('main *, header *')]"
+            ".filter(each => !each.closest('.scroll, pre, svg'))"
+            f".filter(each => each.getBoundingClientRect().right > {width} + 1)"
+            ".map(each => each.outerHTML.slice(0, 80))"
+        )
+        assert out == []
+
+
+def test_a_phone_is_shown_figures_that_were_drawn_for_its_width(browser, single):
+    shown = "[...document.querySelectorAll('.paper svg')].filter(e => e.checkVisibility()).length"
+    size = (
+        "parseFloat(getComputedStyle(document.querySelector('.{} svg text')).fontSize)"
+        " * document.querySelector('.{} svg').getScreenCTM().a"
+    )
+    for width, kind in ((PHONE, "narrow"), (DESK, "wide")):
+        with Opened(browser, single, width) as opened:
+            assert opened(shown) == opened("document.querySelectorAll('.drawing').length")
+            assert opened(size.format(kind, kind)) > 6.5  # CSS pixels: it can be read
+
+
+def test_dark_is_dark_in_page_and_figures_and_light_is_light(browser, single):
+    bright = {}
+    for scheme in ("light", "dark"):
+        with Opened(browser, single, scheme=scheme) as opened:
+            colours = opened(
+                "[document.body, document.querySelector('.wide svg path')].map(each => {"
+                "const s = getComputedStyle(each);"
+                "return each === document.body ? s.backgroundColor : s.fill})"
+            )
+            text = opened("getComputedStyle(document.querySelector('.wide svg text')).fill")
+        bright[scheme] = [np.mean(_rgb(colour)) for colour in (*colours, text)]
+    assert bright["light"][0] > 230
+    assert bright["light"][1] > 230 > 60 > bright["light"][2]
+    assert bright["dark"][0] < 40
+    assert bright["dark"][1] < 40 < 200 < bright["dark"][2]
+
+
+def _rgb(colour):
+    return [float(part) for part in re.findall(r"[\d.]+", colour)[:3]]
+
+
+def test_on_paper_there_is_a_picture_for_the_video_and_all_that_was_folded(
+    browser, single, tmp_path
+):
+    with Opened(browser, single, scheme="dark") as opened:
+        opened.page.pdf(path=tmp_path / "report.pdf", format="A4")
+        opened.page.emulate_media(media="print")
+        assert opened("document.querySelector('.poster').checkVisibility()")
+        assert not opened("document.querySelector('video').checkVisibility()")
+        assert _rgb(opened("getComputedStyle(document.body).backgroundColor"))[:3] == [255] * 3
+    assert (tmp_path / "report.pdf").stat().st_size > 50_000
+    if shutil.which("pdftotext") is None:
+        pytest.skip("pdftotext (poppler-utils) is not installed; the rest has passed")
+    done = subprocess.run(
+        ["pdftotext", "-layout", str(tmp_path / "report.pdf"), "-"], capture_output=True, text=True
+    )
+    pages = done.stdout.rstrip("\f").split("\f")
+    assert 3 <= len(pages) <= 9
+    for words in ("torque reduction", "joint2", "timestep = 0.001", "resonance-mj run paper.toml"):
+        assert words in done.stdout
+
+
+def test_the_numbers_in_the_page_are_those_of_the_summary(browser, single):
+    summary = json.loads((single.parent / "summary.json").read_text())
+    values = (
+        "rows => rows.map(row => [...row.querySelectorAll('td')].map(cell => "
+        "cell.querySelector('data') && Number(cell.querySelector('data').value)))"
+    )
+    with Opened(browser, single) as opened:
+        torque, springs = (
+            opened.page.eval_on_selector_all(f"[aria-labelledby=run-{name}] tbody tr", values)
+            for name in ("torque", "springs")
+        )
+        text = opened.page.inner_text("#run-numbers")
+    keys = ("torque_reduction", "torque_reduction_optimal", "torque_squared")
+    keys += ("torque_squared_optimal", "torque_squared_without_springs", "tracking_rms")
+    for row, segment in zip(torque, summary["segments"], strict=True):
+        assert row == [*(segment[key] for key in keys), segment["cycles_to_optimum"]]
+        assert f"{100 * segment['torque_reduction']:.1f}".replace("-", "−") in text
+    found = [row for row in springs if row]
+    for index, segment in enumerate(summary["segments"]):
+        for joint in range(2):
+            row = found[2 * index + joint]
+            keys = ("stiffness", "stiffness_optimal", "offset", "offset_optimal")
+            assert row[:4] == [segment[key][joint] for key in keys]
+
+
+def test_the_experiment_in_the_page_is_that_of_the_run(browser, single, tmp_path):
+    with Opened(browser, single) as opened:
+        saved = opened("document.querySelector('a[download=\"paper.toml\"]').href")
+        shown = opened("document.getElementById('run-toml').textContent")
+    path = tmp_path / "paper.toml"
+    path.write_bytes(base64.b64decode(saved.partition("base64,")[2]))
+    assert rmj.load(path) == rmj.Run.load(single.parent).experiment
+    assert shown == path.read_text().strip()
+
+
+def test_headings_ids_and_pictures_can_be_told_apart_without_seeing_them(browser, comparison):
+    with Opened(browser, comparison) as opened:
+        levels = opened(
+            "[...document.querySelectorAll('h1,h2,h3,h4')].map(each => Number(each.tagName[1]))"
+        )
+        ids = opened("[...document.querySelectorAll('[id]')].map(each => each.id)")
+        targets = opened(
+            "[...document.querySelectorAll('a[href^=\"#\"]')].map(e => e.hash.slice(1))"
+        )
+        used = opened("[...document.querySelectorAll('use')].map(e => e.href.baseVal.slice(1))")
+        assert opened("document.documentElement.lang") == "en"
+        assert opened("[...document.images].every(each => each.alt)")
+        assert opened(
+            "[...document.querySelectorAll('svg')].every("
+            "each => each.ariaHidden || each.getAttribute('aria-label'))"
+        )
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert max(np.diff(levels)) <= 1
+    assert len(set(ids)) == len(ids)
+    assert set(targets) | set(used) <= set(ids)
+
+
+def test_several_runs_have_a_row_each_what_differs_and_their_own_parts(browser, comparison):
+    with Opened(browser, comparison) as opened:
+        rows = opened.page.eval_on_selector_all(
+            "[aria-labelledby=side] tbody tr:has(td)",
+            "rows => rows.map(row => [row.querySelector('th').innerText,"
+            " Number(row.querySelector('data').value)])",
+        )
+        keys = opened.page.eval_on_selector_all(
+            "#differences tbody th", "all => all.map(each => each.innerText)"
+        )
+        titles = opened("[...document.querySelectorAll('article > h2')].map(e => e.innerText)")
+        assert opened("document.querySelectorAll('#figures svg').length") >= 2
+    runs = [rmj.Run.load(folder) for folder in comparison_folders(comparison)]
+    expected = [
+        [run.experiment.name, run.summary()["segments"][motion]["torque_reduction"]]
+        for motion in range(2)
+        for run in runs
+    ]
+    assert rows == expected
+    assert "law.kind" in keys
+    assert "motion.0.period" not in keys
+    assert [title.split()[0] for title in titles] == [run.experiment.name for run in runs]
+
+
+def comparison_folders(comparison):
+    text = comparison.read_text(encoding="utf-8")
+    return list(dict.fromkeys(re.findall(r"in <code>([^<]+)</code>: <code>rmj", text)))
+
+
+def test_a_run_that_diverged_says_so_and_why(few, tmp_path):
+    experiment = rmj.load("paper").replace({"law.beta": 40.0, "motion.0.duration": 10.0})
+    run = rmj.simulate(experiment)
+    assert run.status is rmj.Status.DIVERGED
+    text = rmj.report(run, tmp_path / "report.html", video=False).read_text(encoding="utf-8")
+    assert "The run diverged after" in text
+    assert str(run.message)[:40].split("'")[0] in text
+    assert "MISSED" in text  # its file expects it to end well
+
+
+def test_a_run_with_no_whole_cycle_is_reported_too(folders, tmp_path):
+    run = rmj.Run.load(folders[0])
+    empty = dataclasses.replace(
+        run, data=run.data.isel(cycle=slice(0, 0), time=slice(0, 0)), status=rmj.Status.DIVERGED
+    )
+    notes = []
+    path = rmj.report(empty, tmp_path / "report.html", note=notes.append)
+    assert "has no whole cycle" in path.read_text(encoding="utf-8")
+    assert len(notes) == 1
+    assert notes[0].startswith("No video: ")
+
+
+def test_a_film_shows_the_start_the_change_and_the_end_and_no_more(folders):
+    run = rmj.simulate(
+        rmj.load("paper").replace({"motion.0.duration": 9.0, "motion.1.duration": 7.0})
+    )
+    planned = film.plan([run], ["paper"])
+    spans = [(scene.start, scene.stop) for scene in planned.scenes]
+    np.testing.assert_allclose(spans, [(0, 2), (7, 11), (14, 16)])
+    assert film.LEAST <= len(planned.times) / film.FPS <= film.MOST
+    assert (np.diff(planned.times) > 0).all()
+
+
+def test_a_thinned_run_is_filmed_in_the_cycles_that_were_kept():
+    run = rmj.simulate(
+        rmj.load("paper").replace(
+            {"motion.0.duration": 30.0, "motion.1.duration": 30.0, "simulation.samples": 6000}
+        )
+    )
+    assert run.data.attrs["thinned"]
+    planned = film.plan([run], ["paper"])
+    time = run.data["time"].values
+    nearest = time[np.searchsorted(time, planned.times + 1e-9, side="right") - 1]
+    assert (planned.times - nearest < run.experiment.simulation.timestep).all()
+    assert planned.times[-1] >= 59
+
+
+def test_of_more_runs_than_fit_beside_each_other_the_first_are_filmed(folders):
+    runs = [rmj.Run.load(folders[0])] * 4
+    planned = film.plan(runs, list("abcd"))
+    assert planned.labels == tuple("abc")[: max(film.SIZES)]
+
+
+def test_colours_are_turned_over_for_the_dark_and_can_be_seen_there():
+    dark = drawings._dark({"#000000", "#ffffff", "#0072b2", "#000055"})
+    ink, paper = drawings.DARK_INK, drawings.DARK_PAPER
+    assert dark["#000000"] == f"#{ink:02x}{ink:02x}{ink:02x}"
+    assert dark["#ffffff"] == f"#{paper:02x}{paper:02x}{paper:02x}"
+    for colour in ("#0072b2", "#000055"):
+        light, dim = (
+            drawings._luminance([int(each[i : i + 2], 16) for i in (1, 3, 5)])
+            for each in (dark[colour], dark["#ffffff"])
+        )
+        assert (light + 0.05) / (dim + 0.05) >= drawings.CONTRAST
+
+
+@pytest.mark.parametrize(
+    ("metres", "text"),
+    [(6.3051e-4, "0.631 mm"), (7.1e-7, "0.710 µm"), (1.53e-8, "15.3 nm"), (2.5, "2.50 m")],
+)
+def test_a_length_is_in_the_unit_that_suits_it(metres, text):
+    number = wording.length(metres)
+    assert number.text.replace(wording.NARROW, " ") == text
+    assert number.value == metres
+
+
+def test_what_a_user_wrote_is_text_in_the_page_and_nothing_else(few, folders, tmp_path):
+    label = "<script>alert(1)</script>"
+    path = rmj.report(folders[0], tmp_path / "r.html", video=False, labels=[label], title=label)
+    assert label not in path.read_text(encoding="utf-8")
+
+
+def test_an_interrupted_report_leaves_nothing_behind(few, folders, tmp_path):
+    def interrupt(done, of):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        rmj.report(folders[0], tmp_path / "r.html", video=False, progress=interrupt)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_progress_counts_every_picture_to_the_end(few, folders, tmp_path):
+    steps = []
+    rmj.report(folders, tmp_path / "r.html", video=False, progress=lambda *each: steps.append(each))
+    assert [done for done, _ in steps] == list(range(1, len(steps) + 1))
+    assert {of for _, of in steps} == {len(steps)}
+
+
+def test_a_run_that_was_not_read_from_a_folder_needs_a_path(folders):
+    with pytest.raises(OutputError, match="give the report a path"):
+        rmj.report(rmj.Run.load(folders[0]))
+
+
+def test_without_opengl_the_report_is_written_without_a_video_and_says_so(
+    few, folders, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setenv("MUJOCO_GL", "none-such")
+    path = tmp_path / "report.html"
+    assert cli.main(["report", str(folders[0]), "-o", str(path)]) == 0
+    text = path.read_text(encoding="utf-8")
+    for said in (capsys.readouterr().out, text):
+        assert "No video: no OpenGL that draws without a display was found" in said
+    assert "<video" not in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["{missing}"], "holds no run"),
+        (["{run}", "-o", "{file}/below/report.html"], "is not a folder"),
+        (["{run}", "-o", "{run}"], "is a folder"),
+        (["{run}", "--label", "a", "--label", "b"], "2 labels for 1 runs"),
+    ],
+)
+def test_bad_input_is_one_clear_line(arguments, says, folders, tmp_path, capsys):
+    (tmp_path / "file").touch()
+    given = {"missing": tmp_path / "none", "run": folders[0], "file": tmp_path / "file"}
+    before = time.monotonic()
+    assert cli.main(["report", *(text.format(**given) for text in arguments)]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.count("\n") == 1
+    assert time.monotonic() - before < 5  # before any picture is drawn
+
+
+def test_all_that_a_page_is_made_of_travels_with_the_package():
+    templates = Path(film.__file__).parent / "templates"
+    names = {path.name for path in templates.iterdir()}
+    assert {"page.html", "run.html", "comparison.html", "style.css", "script.js"} <= names
