@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .simulation.simulation import simulate, simulate_many
     from .video.look import Look
     from .video.video import render
+    from .viewer.view import view
 
 _HOMES = {
     "Certificate": "experiments.claims",
@@ -37,6 +38,7 @@ _HOMES = {
     "simulate": "simulation.simulation",
     "simulate_many": "simulation.simulation",
     "render": "video.video",
+    "view": "viewer.view",
 }
 
 __all__ = [
@@ -58,6 +60,7 @@ __all__ = [
     "report",
     "simulate",
     "simulate_many",
+    "view",
 ]
 
 

@@ -22,6 +22,7 @@ COMMANDS = {
     "certify": "certify_command",
     "check": "check_command",
     "render": "render_command",
+    "view": "view_command",
     "report": "report_command",
     "list": "list_command",
     "keys": "keys_command",

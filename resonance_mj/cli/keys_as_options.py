@@ -18,11 +18,13 @@ _HELP = (
 )
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_options(
+    parser: argparse.ArgumentParser,
+    metavar: str = "NAME|PATH",
+    meaning: str = "a built-in name, or a TOML file",
+) -> None:
     """Let a parser take what to simulate: an experiment, or a robot with everything else found."""
-    parser.add_argument(
-        "experiment", metavar="NAME|PATH", nargs="?", help="a built-in name, or a TOML file"
-    )
+    parser.add_argument("experiment", metavar=metavar, nargs="?", help=meaning)
     parser.add_argument(
         "--robot", metavar="MJCF", help="an arm, in place of the experiment's or with none given"
     )

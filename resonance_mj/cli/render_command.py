@@ -6,19 +6,10 @@ import argparse
 from pathlib import Path
 
 from ..errors import PictureError
+from . import look_options
 from .console import DONE, bar, console
 
 HELP = "film a saved run, or several side by side and in step"
-
-PARTS = {
-    "path": "the desired path",
-    "trail": "the tool's recent trail",
-    "springs": "springs and equilibria",
-    "motors": "the motors' torque",
-    "strip": "the plots below",
-    "head-up": "the line above",
-    "legend": "what the overlays mean",
-}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -28,41 +19,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     add = parser.add_argument
     add("-o", "--output", metavar="FILE", type=Path, help=".mp4, .webp or .gif; RUN/motion.mp4")
-    add("--from", dest="start", metavar="TIME", help="seconds, or a cycle: 8c begins with the 8th")
-    add("--to", dest="stop", metavar="TIME", help="seconds, or a cycle: 10c ends with the 10th")
+    look_options.add_span(parser)
     add("--speed", type=float, default=1.0, help="seconds of the run per second of video; 1")
     add("--fps", type=float, default=30.0, help="frames per second; 30")
     add("--size", metavar="WxH", default="1280x720", help="of the picture [pixels]; 1280x720")
-    add(
-        "--camera",
-        metavar="NAME|VIEW",
-        help="of the model, or azimuth,elevation,distance as in --camera=120,-20,1.5; "
-        "one that frames the motion",
-    )
-    add("--follow", action="store_true", help="go with the tool")
-    add("--background", metavar="KIND", default="sky", help="sky, white, dark or transparent; sky")
+    look_options.add_look(parser, "sky, white, dark or transparent")
     add("--label", dest="labels", action="append", help="what the picture calls a run; one each")
     add("--workers", metavar="N", type=int, help="processes that draw; one per core")
-    for part, meaning in PARTS.items():
-        add(f"--no-{part}", action="store_true", help=f"leave out {meaning}")
 
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     from ..results.run import Run
     from ..video import video
-    from ..video.look import Look
 
-    look = Look(
-        size=_size(options.size),
-        camera=options.camera,
-        follow=options.follow,
-        background=options.background,
-        **{
-            part.replace("-", "_"): not getattr(options, "no_" + part.replace("-", "_"))
-            for part in PARTS
-        },
-    )
+    look = look_options.look(options, size=_size(options.size))
     runs = [Run.load(folder) for folder in options.runs]
     labels = options.labels
     if labels is None and len({run.experiment.name for run in runs}) < len(runs):

@@ -182,10 +182,7 @@ class Recording:
 
     def _keep(self, taken: dict[str, np.ndarray], center: np.ndarray, cycle: int, n: int) -> None:
         taken["center"] = np.broadcast_to(center, taken["q"].shape)
-        k, offset = taken["stiffness"], taken["offset"]
-        k = np.where((k == 0) & (offset != 0), springs.LIMP, k)
-        ratio = np.divide(offset, k, out=np.zeros_like(k), where=k != 0)
-        taken["equilibrium"] = ratio + center
+        taken["equilibrium"] = equilibrium(taken["stiffness"], taken["offset"], center)
         for name, values in taken.items():
             self._samples[name].append(values)
         self._times.append(self._time + np.arange(n) * self._dt)
@@ -280,6 +277,12 @@ def _kept(experiment: Experiment) -> set[int]:
             kept.update(begins, begins + 1)
         first += motion.cycles
     return {int(cycle) for cycle in kept}
+
+
+def equilibrium(k: np.ndarray, offset: np.ndarray, center: np.ndarray) -> np.ndarray:
+    """Equilibrium angles q_e of springs (N, n) [rad]; `springs.equilibrium` has it of one."""
+    k = np.where((k == 0) & (offset != 0), springs.LIMP, k)
+    return np.divide(offset, k, out=np.zeros_like(k), where=k != 0) + center
 
 
 def _rms(miss: np.ndarray) -> float:

@@ -55,7 +55,7 @@ def simulate(
     if note is not None:
         for line in prepared.notes:
             note(line)
-    return _simulate([prepared], Alone, interpret, progress)[0]
+    return simulate_prepared([prepared], Alone, interpret=interpret, progress=progress)[0]
 
 
 def simulate_many(
@@ -104,19 +104,33 @@ def simulate_many(
     runs: dict[int, Run] = {}
     for members in groups.values():
         group = [prepared[index] for index in members]
-        found = _simulate(group, lambda models: Together(models, threads), False, count)
+        found = simulate_prepared(group, lambda models: Together(models, threads), progress=count)
         runs.update(zip(members, found, strict=True))
         done += len(group[0].schedule) * len(members)
     return [runs[index] for index in range(len(prepared))]
 
 
-def _simulate(
+def simulate_prepared(
     group: list[Prepared],
     stepper_of: Callable[[list[mujoco.MjModel]], Stepper],
-    interpret: bool,
-    progress: Progress | None,
+    *,
+    interpret: bool = False,
+    progress: Progress | None = None,
 ) -> list[Run]:
-    """Simulate prepared experiments that fit together."""
+    """Simulate prepared experiments that fit together, cycle by cycle.
+
+    Args:
+        group: what to simulate.
+        stepper_of: makes, of the robots' models, what advances them by the steps of each cycle.
+        interpret: run the law as plain Python.
+        progress: called after each cycle with the cycles done and the cycles in all.
+
+    Returns:
+        The runs, in the order of the group.
+
+    Raises:
+        CallbackError: another simulation is running in this process.
+    """
     stepper = stepper_of([one.robot.model for one in group])
     memory = Memory(stepper.userdata, group[0].robot.layout)
     for index, one in enumerate(group):

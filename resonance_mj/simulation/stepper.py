@@ -22,20 +22,20 @@ class Stepper(Protocol):
 
 
 class Alone:
-    """One robot in one mjData."""
+    """One robot in one mjData, `data`."""
 
     def __init__(self, models: list[mujoco.MjModel]) -> None:
         self.models = models
-        self._data = mujoco.MjData(models[0])
-        self.userdata = self._data.userdata[None]
+        self.data = mujoco.MjData(models[0])
+        self.userdata = self.data.userdata[None]
 
     def start(self, robot: int, qpos: np.ndarray) -> None:
         """Place a robot at rest at `qpos` (nq,)."""
-        self._data.qpos[:] = qpos
+        self.data.qpos[:] = qpos
 
     def step(self, robots: list[int], steps: int) -> None:
         """Advance the robot by a number of time steps."""
-        mujoco.mj_step(self.models[0], self._data, steps)
+        mujoco.mj_step(self.models[0], self.data, steps)
 
 
 class Together:

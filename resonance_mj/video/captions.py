@@ -38,11 +38,11 @@ class HeadUp:
         starts = np.cumsum([0.0] + [_width(size, text) + 1.6 * size for text in widest])
         self._starts = starts[:-1] + 0.6 * size
 
-    def draw(self, picture: np.ndarray, frame: int) -> None:
-        """Write a frame's line into the first rows of `picture` (·, width, 3 or 4)."""
+    def draw(self, picture: np.ndarray, sample: int) -> None:
+        """Write a sample's line into the first rows of `picture` (·, width, 3 or 4)."""
         band = Image.new("RGB", (self._width, self.height), self._paper)
         pen = ImageDraw.Draw(band)
-        fields = self._fields(int(self._shot.sample[frame]))
+        fields = self._fields(sample)
         for index, (x, text) in enumerate(zip(self._starts, fields, strict=True)):
             font = _font(self._size, bold=index == 0)
             pen.text((x, self.height / 2), text, fill=self._ink, font=font, anchor="lm")
@@ -103,6 +103,7 @@ class Legend:
                 x += 0.7 * size
             pen.text((x + 0.4 * size, y), text, look.ink, font=_font(size), anchor="lm")
             x += _font(size).getlength(text) + 1.8 * size
+        self.height = line.height
         drawn = np.asarray(line).astype(np.uint16)
         self._alpha = drawn[..., 3:]
         self._colour = drawn[..., :3] * self._alpha

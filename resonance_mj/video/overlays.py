@@ -104,9 +104,13 @@ class Overlays:
         self._dt = float(np.diff(shot.time).min())
         self._skins = {model.skin(s).name: s for s in range(model.nskin)}
 
-    def update(self, data: mujoco.MjData, frame: int, eye: np.ndarray) -> None:
-        """Bring the overlays to a frame; `data` is in its pose, and the camera at `eye` (3,)."""
-        sample = int(self._shot.sample[frame])
+    def go_on(self, shot: Shot, scales: Scale) -> None:
+        """Show another part of the same arm's run, or more of it, from the next update on."""
+        self._shot, self._scale = shot, scales
+        self._tool.clear()
+
+    def update(self, data: mujoco.MjData, sample: int, eye: np.ndarray) -> None:
+        """Bring the overlays to a sample; `data` is in its pose, and the camera at `eye` (3,)."""
         if self._look.path:
             self._update_path(sample, eye)
         if self._look.trail:

@@ -45,7 +45,7 @@ def prepare(
     spec = arm.spec
     model = compile_spec(spec, path)
     if model.nlight == 0:
-        _add_light(spec)
+        _add_light(spec, model.stat)
     floors = [geom for geom in spec.geoms if geom.type == _GEOM.mjGEOM_PLANE]
     if look.background in FLAT:
         for geom in floors:
@@ -91,16 +91,19 @@ def colour(text: str) -> np.ndarray:
     return np.array([*rgb(text), 1.0], np.float32)
 
 
-def _add_light(spec: mujoco.MjSpec) -> None:
+def _add_light(spec: mujoco.MjSpec, about: mujoco.MjStatistic) -> None:
     """A lamp from above and the front, and enough light in its shadow."""
+    towards = np.array([0.35, 0.6, -0.9])
     spec.worldbody.add_light(
         name=f"{PREFIX}light",
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        pos=[-0.6, -1.2, 2.4],
-        dir=[0.35, 0.6, -0.9],
+        # As near as the arm is wide, and shadows as far as they fall: else the floor is speckled.
+        pos=about.center - 2 * about.extent * towards,
+        dir=towards,
         diffuse=[0.7, 0.7, 0.7],
         castshadow=True,
     )
+    spec.visual.map.shadowclip = max(spec.visual.map.shadowclip, 2.0)
     headlight = spec.visual.headlight
     headlight.active = 1
     headlight.ambient, headlight.diffuse = [0.35, 0.35, 0.35], [0.35, 0.35, 0.35]
