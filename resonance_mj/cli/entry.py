@@ -50,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"resonance-mj: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
-        print("resonance-mj: interrupted; nothing was written", file=sys.stderr)
+        print("resonance-mj: interrupted; no file is left half-written", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
