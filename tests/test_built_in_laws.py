@@ -10,7 +10,8 @@ from resonance_mj.experiments.loading import for_robot
 from resonance_mj.laws import laws, learning
 from resonance_mj.robots.automatic_gains import gains
 from resonance_mj.robots.robot import build
-from resonance_mj.simulation.preparation import TELL, prepare
+from resonance_mj.simulation.loading import TELL
+from resonance_mj.simulation.preparation import prepare
 
 STEPS = 1000
 

@@ -12,7 +12,8 @@ from resonance_mj.errors import CallbackError
 from resonance_mj.laws import controller
 from resonance_mj.laws.memory import Memory
 from resonance_mj.robots.robot import build
-from resonance_mj.simulation.preparation import load_law, load_motion, prepare
+from resonance_mj.simulation.loading import load_law, load_motion
+from resonance_mj.simulation.preparation import prepare
 
 TWO_LINK = library.robots()["two_link.xml"]
 

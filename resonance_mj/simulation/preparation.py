@@ -1,8 +1,7 @@
-"""What an experiment needs before its first step, and how it is written into the memory."""
+"""What an experiment needs before its first step."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,10 +9,9 @@ import numpy as np
 
 from ..errors import StabilityError
 from ..experiments.experiment import Experiment
-from ..laws import laws, springs
+from ..laws import laws
 from ..laws.gains import Gains
 from ..laws.laws import Law
-from ..laws.memory import Memory
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
 from ..optimal_springs import Optimum, along, center, follow, resolved
@@ -182,107 +180,6 @@ def refuse_unstable(one: Prepared) -> None:
     if one.unstable:
         more = f" (and {len(one.unstable) - 1} more)" if len(one.unstable) > 1 else ""
         raise StabilityError(f"experiment {one.experiment.name!r}: {one.unstable[0]}{more}")
-
-
-def load_law(memory: Memory, index: int, one: Prepared) -> None:
-    """Write the robot's indices, the gains, the bounds and the first springs into the memory."""
-    experiment, robot, chosen = one.experiment, one.robot, one.gains
-    law, bounds = experiment.law, experiment.springs
-    for name in ("qpos_address", "dof_address", "joint_id", "actuator_id", "coordinate"):
-        memory[name][index] = getattr(robot, name)
-    memory["orientation"][index] = robot.orientation
-    memory["posture"][index] = robot.home
-    memory["k_v"][index] = chosen.k_v
-    memory["k_p"][index] = chosen.k_p
-    memory["feedback"][index] = chosen.feedback
-    memory["feedback_p"][index] = chosen.feedback_p
-    for name in ("gamma_k", "gamma_qe"):
-        memory[name][index] = getattr(law, name) if name in one.law.adapts else 0.0
-    memory["parameters"][index] = law.parameters
-    memory["q_c"][index] = one.q_c
-    memory["q_s"][index] = one.q_s
-    memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
-    memory["low"][index], memory["high"][index] = bounds.equilibrium
-    memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
-    k = np.asarray(bounds.initial_stiffness)
-    memory["stiffness"][index] = k
-    # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
-    stays = one.law.adapts == ("gamma_k",)
-    away = 0.0 if stays else np.asarray(bounds.initial_equilibrium) - one.q_c
-    memory["offset"][index] = k * away
-    # A joint that turns by a radian in a time step is beyond any sampled control.
-    dt = experiment.simulation.timestep
-    memory["before"][index] = robot.position
-    memory["torque_limit"][index] = np.diag(robot.inertia) / dt**2
-    for name, value in (
-        ("site", robot.site),
-        ("rotates", robot.rotates),
-        ("form", {"inverse": 0, "transpose": 1, "damped": 2}[chosen.jacobian]),
-        ("difference", chosen.velocity == "difference"),
-        ("inertial", bool(chosen.feedback.any())),
-        ("usual", 0.1 * robot.usual),
-        ("count", len(law.parameters)),
-        ("alpha", law.alpha),
-        ("alpha_0", law.alpha_0),
-        ("timestep", dt),
-        ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
-        ("speed_limit", 1.0 / dt),
-    ):
-        memory.scalar(name)[index] = value
-
-
-def load_motion(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
-    """Write the tables of a cycle of the run into the memory."""
-    samples = desired(one, cycle)
-    steps = len(samples.x)
-    memory["x_desired"][index, :steps] = samples.x
-    memory["dx_desired"][index, :steps] = samples.dx
-    if one.gains.velocity == "difference":
-        positions = len(one.robot.position_axes)
-        # A passage does not begin where it ends.
-        first = samples.x[0] - samples.dx[0] * one.experiment.simulation.timestep
-        before = samples.x[-1] if one.blending(cycle) is None else first
-        moved = np.diff(samples.x, axis=0, prepend=before[None])
-        velocity = moved / one.experiment.simulation.timestep
-        memory["dx_desired"][index, :steps, :positions] = velocity[:, :positions]
-    for what in one.law.told:
-        TELL[what](memory, index, one, cycle)
-
-
-def _tell_joints(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
-    """The desired joint angles and velocities."""
-    q, dq, ddq = one.joint_motion(cycle)
-    if one.experiment.simulation.integrator != "RK4":
-        # After a semi-implicit step q is that of its end, and q̇ that of its middle.
-        dq = dq - 0.5 * one.experiment.simulation.timestep * ddq
-    memory["q_desired"][index, : len(q)] = q
-    memory["dq_desired"][index, : len(q)] = dq
-
-
-def _tell_springs(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
-    """The springs that are the best for the motion."""
-    best = one.optima[one.schedule[cycle]]
-    memory["q_c"][index] = best.center
-    memory["stiffness"][index] = best.stiffness
-    memory["offset"][index] = best.offset
-
-
-def _tell_torque(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
-    """The motors' torque that makes the desired motion with these springs, by inverse dynamics."""
-    segment = one.schedule[cycle]
-    best, joints = one.optima[segment], one.joint_motion(cycle)
-    needed = Kinematics(one.loaded[segment]).torque(joints)
-    memory["learned"][index, : len(needed)] = needed - springs.torque(
-        best.stiffness, best.offset, joints.q, best.center
-    )
-
-
-TELL: dict[str, Callable[[Memory, int, Prepared, int], None]] = {
-    "joints": _tell_joints,
-    "springs": _tell_springs,
-    "torque": _tell_torque,
-}
-"""What a law may be told of a cycle, by the names that laws.LAWS uses."""
 
 
 def desired(one: Prepared, cycle: int) -> motions.Samples:

@@ -12,7 +12,8 @@ from ..experiments.experiment import Experiment
 from ..laws import controller, learning
 from ..laws.memory import Memory
 from ..results.run import Run, Status
-from .preparation import Followed, Prepared, load_law, load_motion, prepare, refuse_unstable
+from .loading import load_law, load_motion
+from .preparation import Followed, Prepared, prepare, refuse_unstable
 from .recording import Recording
 from .stepper import Alone, Stepper, Together
 
