@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import EngFormatter
 
 from ..palette import DESIRED, EARLY, MEASURED
 from ..results.cycles import Cycle, kept
@@ -204,5 +205,5 @@ def _cycles(pair: tuple[Cycle, Cycle]) -> str:
 def _errors(run: Run, pair: tuple[Cycle, Cycle]) -> str:
     """The position's error in these cycles."""
     numbers = dict.fromkeys(cycle.number for cycle in pair)
-    rms = [1e3 * float(run.data["tracking_rms"].sel(cycle=number)) for number in numbers]
-    return "tracking RMS " + " and ".join(f"{value:.3g}" for value in rms) + " mm"
+    rms = [float(run.data["tracking_rms"].sel(cycle=number)) for number in numbers]
+    return "tracking RMS " + " and ".join(map(EngFormatter("m", places=1), rms))
