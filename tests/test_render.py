@@ -56,6 +56,7 @@ def command(*arguments, **options):
     return subprocess.run(line, capture_output=True, text=True, timeout=120, **options)
 
 
+@pytest.mark.opengl
 def test_a_video_has_a_frame_each_step_of_its_span_and_is_h264_that_browsers_play(run, tmp_path):
     frames = filmed(run, tmp_path / "out.mp4", 0.5, 1.0, fps=12.0)
     assert frames.shape == (6, 180, 320, 3)
@@ -65,6 +66,7 @@ def test_a_video_has_a_frame_each_step_of_its_span_and_is_h264_that_browsers_pla
     assert data.index(b"moov") < data.index(b"mdat")
 
 
+@pytest.mark.opengl
 def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
     whole = filmed(run, tmp_path / "whole.mp4", stop=1.1)[0]
     strip = rmj.Look(size=SMALL).strip_height
@@ -75,6 +77,7 @@ def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
         assert not changed[-strip + 2 :].any(), part
 
 
+@pytest.mark.opengl
 def test_the_strip_shows_a_cursor_that_moves_with_the_video(run, tmp_path):
     frames = filmed(run, tmp_path / "out.mp4", 0.0, 4.0, fps=2.0)
     strip = frames[:, -rmj.Look(size=SMALL).strip_height :]
@@ -84,6 +87,7 @@ def test_the_strip_shows_a_cursor_that_moves_with_the_video(run, tmp_path):
     assert columns[-1] - columns[0] > 50
 
 
+@pytest.mark.opengl
 def test_without_strip_and_line_the_arm_takes_the_whole_picture(run, tmp_path):
     bare = filmed(run, tmp_path / "out.mp4", strip=False, head_up=False, legend=False)[0]
     assert bare[-1].std() > 0 or bare[0].std() > 0
@@ -92,6 +96,7 @@ def test_without_strip_and_line_the_arm_takes_the_whole_picture(run, tmp_path):
     assert (with_all[1] > 240).mean() > 0.9 > (bare[1] > 240).mean()
 
 
+@pytest.mark.opengl
 def test_two_runs_stand_side_by_side_in_one_picture_of_the_same_size(run, tmp_path):
     both = filmed((run, run), tmp_path / "both.mp4", size=(640, 180))
     assert both.shape[1:] == (180, 640, 3)
@@ -100,6 +105,7 @@ def test_two_runs_stand_side_by_side_in_one_picture_of_the_same_size(run, tmp_pa
     assert np.abs(left - right).mean() < 3
 
 
+@pytest.mark.opengl
 def test_runs_side_by_side_are_in_step_however_many_processes_draw(run, tmp_path):
     look = rmj.Look(size=SMALL)
     one = rmj.render(run, tmp_path / "1.mp4", 0.0, 0.5, 10.0, look=look, workers=1)
@@ -107,6 +113,7 @@ def test_runs_side_by_side_are_in_step_however_many_processes_draw(run, tmp_path
     np.testing.assert_array_equal(decoded(one), decoded(three))
 
 
+@pytest.mark.opengl
 def test_a_time_lapse_shows_more_of_the_run_in_fewer_frames(run, tmp_path):
     path = rmj.render(
         run, tmp_path / "fast.mp4", 0.0, 4.0, 5.0, speed=4.0, look=rmj.Look(size=SMALL)
@@ -114,6 +121,7 @@ def test_a_time_lapse_shows_more_of_the_run_in_fewer_frames(run, tmp_path):
     assert len(decoded(path)) == 5
 
 
+@pytest.mark.opengl
 @pytest.mark.parametrize("suffix", [".gif", ".webp"])
 def test_pictures_that_move_are_written_by_extension(run, tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
@@ -122,6 +130,7 @@ def test_pictures_that_move_are_written_by_extension(run, tmp_path, suffix):
         assert (image.size, image.n_frames, image.info["loop"]) == (SMALL, 3, 0)
 
 
+@pytest.mark.opengl
 def test_a_transparent_background_is_transparent_and_the_arm_is_not(run, tmp_path):
     path = tmp_path / "out.webp"
     look = rmj.Look(size=SMALL, background="transparent", strip=False, head_up=False, legend=False)
@@ -132,12 +141,14 @@ def test_a_transparent_background_is_transparent_and_the_arm_is_not(run, tmp_pat
     assert 0.01 < (alpha == 255).mean() < 0.5
 
 
+@pytest.mark.opengl
 def test_a_dark_background_is_dark_and_a_white_one_white(run, tmp_path):
     for background, low, high in (("dark", 0, 60), ("white", 245, 256)):
         frame = filmed(run, tmp_path / f"{background}.mp4", background=background)[0]
         assert low <= np.median(frame) < high
 
 
+@pytest.mark.opengl
 def test_odd_sizes_are_rounded_up_for_h264_and_said_so(run, tmp_path):
     said = []
     path = rmj.render(
@@ -155,6 +166,7 @@ DARK_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1
 <visual><global offwidth="64" offheight="48"/></visual></mujoco>"""
 
 
+@pytest.mark.opengl
 def test_a_model_without_light_floor_or_buffer_is_lit_and_its_file_is_not_changed(tmp_path):
     mjcf = tmp_path / "arm.xml"
     mjcf.write_text(DARK_ARM)
@@ -220,7 +232,7 @@ def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
         (["-o", "motion.mp4", "--background", "pink"], "sky, white, dark, transparent"),
         (["-o", "motion.mp4", "--size", "big"], "as in 1280x720"),
         (["-o", "motion.mp4", "--fps", "0"], "fps = 0"),
-        (["-o", "/proc/motion.mp4"], "cannot be written"),
+        pytest.param(["-o", "/proc/motion.mp4"], "cannot be written", marks=pytest.mark.opengl),
     ],
 )
 def test_bad_options_are_one_line_and_nothing_is_written(folder, tmp_path, options, words):
@@ -241,6 +253,7 @@ def test_the_users_choice_of_opengl_is_kept_and_a_wrong_one_is_said_with_the_pac
     assert gl.backends({"MUJOCO_GL": "osmesa"}) == ("osmesa",)
 
 
+@pytest.mark.opengl
 def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
     line = [sys.executable, "-m", "resonance_mj.cli", "render", str(folder), "--fps", "100"]
     process = subprocess.Popen(
@@ -262,6 +275,7 @@ def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
         os.killpg(process.pid, 0)
 
 
+@pytest.mark.opengl
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_disk_is_said_and_leaves_nothing(run, tmp_path, monkeypatch):
     # The file is written beside its final name: that is a device on which there is no room.

@@ -131,6 +131,7 @@ def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, 
         assert sum(url.startswith("file:") for url in opened.asked) == 1
 
 
+@pytest.mark.opengl
 @pytest.mark.parametrize(("which", "width"), [("single", 320), ("comparison", 480)])
 def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, which, width, request):
     with Opened(browser, request.getfixturevalue(which)) as opened:
@@ -199,6 +200,7 @@ def _rgb(colour):
     return [float(part) for part in re.findall(r"[\d.]+", colour)[:3]]
 
 
+@pytest.mark.opengl
 def test_on_paper_there_is_a_picture_for_the_video_and_all_that_was_folded(
     browser, single, tmp_path
 ):
