@@ -83,16 +83,16 @@ def words(figure):
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("robot", SHORT)
 def test_no_words_touch_or_leave_a_page(runs, robot, name):
-    readable(drawn(name, [runs[robot]]))
+    assert_readable(drawn(name, [runs[robot]]))
 
 
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("robot", ["two-link-transfer", "scara"])
 def test_no_words_touch_or_leave_a_column(runs, robot, name):
-    readable(drawn(name, [runs[robot]], sizes.COLUMN))
+    assert_readable(drawn(name, [runs[robot]], sizes.COLUMN))
 
 
-def readable(figure):
+def assert_readable(figure):
     found = words(figure)
     assert len(found) > 8
     texts = [text for _, text in found]
@@ -113,10 +113,10 @@ def test_no_words_touch_where_runs_are_compared_or_names_are_long(runs, width):
         replace(run, experiment=run.experiment.replace({"law.beta": float(beta)}))
         for beta in range(1, 9)
     ]
-    readable(drawn("convergence", many, width))
+    assert_readable(drawn("convergence", many, width))
     long = run.data.assign_coords(joint=["left_shoulder_pan_joint", "left_shoulder_lift_joint"])
     for name in ("overview", "springs"):
-        readable(drawn(name, [replace(run, data=long)], width))
+        assert_readable(drawn(name, [replace(run, data=long)], width))
 
 
 @pytest.mark.parametrize("name", OF_ONE)
@@ -291,7 +291,7 @@ def test_runs_of_the_same_name_are_told_apart_by_the_keys_that_differ(runs):
 
 def test_a_run_that_diverged_is_drawn_and_ends_in_a_cross(diverged, runs):
     for entry in catalogue.fitting([diverged]):
-        readable(drawn(entry.name, [diverged]))
+        assert_readable(drawn(entry.name, [diverged]))
     assert [entry.name for entry in catalogue.fitting([diverged])] == OF_ONE
     torque, _ = drawn("cycles", [diverged]).axes
     (cross,) = [line for line in torque.lines if line.get_marker() == "x"]
@@ -307,7 +307,7 @@ def test_a_thinned_run_is_drawn_from_the_cycles_that_were_kept(resonance_run):
     assert run.data.attrs["thinned"]
     assert [entry.name for entry in catalogue.fitting([run])] == OF_ONE
     for name in ("overview", "path"):
-        readable(drawn(name, [run]))
+        assert_readable(drawn(name, [run]))
     (first, last), _ = path.first_and_last(run)
     assert (first.number, last.number) == (1, 30)
 
