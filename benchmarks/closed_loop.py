@@ -29,8 +29,8 @@ import resonance_mj as rmj
 from resonance_mj.callback.callback import installed
 from resonance_mj.laws import controller
 from resonance_mj.laws.memory import Memory
+from resonance_mj.plan.plan import Prepared, prepare
 from resonance_mj.simulation.loading import load_law, load_motion
-from resonance_mj.simulation.preparation import Prepared, prepare
 from resonance_mj.simulation.simulation import between_cycles
 
 COMPILED_TARGET = 1.25

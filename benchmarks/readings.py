@@ -17,8 +17,8 @@ import numpy as np
 
 import resonance_mj as rmj
 from resonance_mj.motions.kinematics import Kinematics
-from resonance_mj.optimal_springs import follow
 from resonance_mj.robots.robot import build
+from resonance_mj.springs.optimum import follow
 
 LINK_1, LINK_2 = 0.3, 0.25
 """Lengths of the links [m], Sec. VI-A."""

@@ -20,7 +20,7 @@ import threading
 import time
 from pathlib import Path
 
-from resonance_mj.video import gl
+from resonance_mj.pictures.film import gl
 
 os.environ.setdefault("MUJOCO_GL", gl.backends()[0] or "")
 

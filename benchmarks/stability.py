@@ -22,13 +22,13 @@ from matplotlib.figure import Figure
 from readings import Changes, alone
 
 import resonance_mj as rmj
-from resonance_mj.figures.style import STYLE
-from resonance_mj.optimal_springs import follow
-from resonance_mj.palette import MUTED
-from resonance_mj.simulation.preparation import prepare
-from resonance_mj.stability import sampled_loop
-from resonance_mj.stability.divergence import POSES, Divergence, divergences
-from resonance_mj.stability.stability import learning_loop
+from resonance_mj.laws.stability import sampled_loop
+from resonance_mj.laws.stability.divergence import POSES, Divergence, divergences
+from resonance_mj.laws.stability.stability import learning_loop
+from resonance_mj.pictures.figures.style import STYLE
+from resonance_mj.pictures.palette import MUTED
+from resonance_mj.plan.plan import prepare
+from resonance_mj.springs.optimum import follow
 
 BETAS = (1.0, 3.0, 10.0)
 LEADS = (0, 1, 2)

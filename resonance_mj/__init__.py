@@ -4,41 +4,41 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .certificates.certificates import certify
-    from .comparison.comparison import Comparison, compare
     from .errors import ResonanceError
-    from .experiments.claims import Certificate, Certificates
+    from .evaluation.certificates.certificates import certify
+    from .evaluation.certificates.claims import Certificate, Certificates
+    from .evaluation.comparison.comparison import Comparison, compare
     from .experiments.experiment import Experiment
     from .experiments.loading import load
-    from .figures.plot import plot
-    from .optimal_springs import Optimum, optimum
-    from .reports.report import report
+    from .pictures.figures.plot import plot
+    from .pictures.film.look import Look
+    from .pictures.film.video import render
+    from .pictures.page.report import report
+    from .pictures.viewer.view import view
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
-    from .video.look import Look
-    from .video.video import render
-    from .viewer.view import view
+    from .springs.optimum import Optimum, optimum
 
 _HOMES = {
-    "Certificate": "experiments.claims",
-    "Certificates": "experiments.claims",
-    "certify": "certificates.certificates",
-    "Comparison": "comparison.comparison",
-    "compare": "comparison.comparison",
+    "Certificate": "evaluation.certificates.claims",
+    "Certificates": "evaluation.certificates.claims",
+    "certify": "evaluation.certificates.certificates",
+    "Comparison": "evaluation.comparison.comparison",
+    "compare": "evaluation.comparison.comparison",
     "ResonanceError": "errors",
     "Experiment": "experiments.experiment",
     "load": "experiments.loading",
-    "Look": "video.look",
-    "Optimum": "optimal_springs",
-    "optimum": "optimal_springs",
-    "plot": "figures.plot",
-    "report": "reports.report",
+    "Look": "pictures.film.look",
+    "Optimum": "springs.optimum",
+    "optimum": "springs.optimum",
+    "plot": "pictures.figures.plot",
+    "report": "pictures.page.report",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
     "simulate_many": "simulation.simulation",
-    "render": "video.video",
-    "view": "viewer.view",
+    "render": "pictures.film.video",
+    "view": "pictures.viewer.view",
 }
 
 __all__ = [

@@ -34,7 +34,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     if not (parent.config.getoption("resonance") or parent.config.getini("resonance")):
         return None
-    from .checks.cases import holds_expectations
+    from .evaluation.checks.cases import holds_expectations
 
     saved = file_path.with_name("run.nc").exists()  # an experiment that a run was saved with
     if saved or not holds_expectations(file_path):
@@ -47,8 +47,8 @@ class ExperimentFile(pytest.File):
 
     def collect(self) -> Iterator[pytest.Item]:
         """The test that it is; bad input is an error of collection, in one line."""
-        from .checks.cases import read
         from .errors import ResonanceError
+        from .evaluation.checks.cases import read
 
         try:
             experiment = read(self.path)
@@ -66,8 +66,8 @@ class ExperimentItem(pytest.Item):
 
     def runtest(self) -> None:
         """Simulate it, and fail if it misses an expectation."""
-        from .checks.check import judge
-        from .checks.convergence import report
+        from .evaluation.checks.check import judge
+        from .evaluation.checks.convergence import report
         from .simulation.simulation import simulate
 
         run = simulate(self.experiment)
@@ -101,7 +101,7 @@ def resonance_run(
     Each is simulated once, for all tests and all workers of pytest-xdist, and again only if
     something has changed that it depends on; `pytest --cache-clear` forgets all.
     """
-    from .checks.run_cache import RunCache
+    from .evaluation.checks.run_cache import RunCache
     from .experiments.experiment import Experiment
     from .experiments.loading import load
 

@@ -94,10 +94,10 @@ def _hold(run: Run, motion: int | None, expected: dict[str, Any]) -> None:
     __tracebackhide__ = True
     from dataclasses import replace
 
-    from .checks.cases import fit
-    from .checks.check import judge
-    from .checks.convergence import report
     from .errors import ExperimentError
+    from .evaluation.checks.cases import fit
+    from .evaluation.checks.check import judge
+    from .evaluation.checks.convergence import report
 
     motions = len(run.experiment.motion)
     if motion is None:

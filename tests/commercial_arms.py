@@ -17,7 +17,7 @@ from pathlib import Path
 import resonance_mj as rmj
 from resonance_mj.experiments.experiment import Experiment
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.optimal_springs import best_springs
+from resonance_mj.springs.optimum import best_springs
 
 WHEEL = "robosuite==1.5.2"
 

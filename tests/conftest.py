@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 
-from resonance_mj.video import gl
+from resonance_mj.pictures.film import gl
 
 DRAWS = """
 import mujoco

@@ -8,10 +8,10 @@ import resonance_mj as rmj
 from resonance_mj.experiments.law_section import KINDS
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.laws import laws, learning
-from resonance_mj.robots.automatic_gains import gains
+from resonance_mj.laws.automatic_gains import gains
+from resonance_mj.plan.plan import prepare
 from resonance_mj.robots.robot import build
 from resonance_mj.simulation.loading import TELL
-from resonance_mj.simulation.preparation import prepare
 
 STEPS = 1000
 

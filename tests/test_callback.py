@@ -11,9 +11,9 @@ from resonance_mj.callback.callback import installed
 from resonance_mj.errors import CallbackError
 from resonance_mj.laws import controller
 from resonance_mj.laws.memory import Memory
+from resonance_mj.plan.plan import prepare
 from resonance_mj.robots.robot import build
 from resonance_mj.simulation.loading import load_law, load_motion
-from resonance_mj.simulation.preparation import prepare
 
 TWO_LINK = library.robots()["two_link.xml"]
 

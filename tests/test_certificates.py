@@ -13,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resonance_mj as rmj
-from resonance_mj.certificates.orthogonality import untaken
-from resonance_mj.laws import learning, springs
+from resonance_mj.evaluation.certificates.orthogonality import untaken
+from resonance_mj.laws import learning
+from resonance_mj.springs import spring as springs
 
 ALPHA, K_V, K_P = 10.0, 200.0, 2000.0
 GAMMA_K, GAMMA_QE = np.array([50.0, 5.0]), np.array([150.0, 10.0])

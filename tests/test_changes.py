@@ -6,10 +6,10 @@ from two_link import G, jacobian, jacobian_rate
 
 import resonance_mj as rmj
 from resonance_mj import library
+from resonance_mj.laws.automatic_gains import gains
 from resonance_mj.motions.kinematics import JointMotion, Kinematics
-from resonance_mj.robots.automatic_gains import gains
+from resonance_mj.plan.plan import prepare
 from resonance_mj.robots.robot import build
-from resonance_mj.simulation.preparation import prepare
 
 ELLIPSE = {"period": 1.0, "center": [-0.3, 0.0], "size": [0.05, 0.1]}
 

@@ -10,9 +10,9 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import cli, library
-from resonance_mj.checks import cases, check, convergence, junit
-from resonance_mj.checks.check import Band
-from resonance_mj.laws.springs import equilibrium
+from resonance_mj.evaluation.checks import cases, check, convergence, junit
+from resonance_mj.evaluation.checks.check import Band
+from resonance_mj.springs.spring import equilibrium
 
 # The paper's first motion for ten cycles, and for five at half the speed, under the transfer law.
 RUN = """# My arm.

@@ -12,10 +12,10 @@ import xarray as xr
 
 import resonance_mj as rmj
 from resonance_mj import cli
-from resonance_mj.comparison import contenders
-from resonance_mj.comparison.comparison import Comparison, Verdict
+from resonance_mj.evaluation.comparison import contenders
+from resonance_mj.evaluation.comparison.comparison import Comparison, Verdict
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.figures import comparison_figure
+from resonance_mj.pictures.figures import comparison_figure
 from resonance_mj.robots.robot import build
 
 MOTIONS = {"motion.0.duration": 3.0, "motion.1.duration": 4.0, "simulation.timestep": 2e-3}

@@ -6,7 +6,7 @@ import tempfile
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.figures import drawing
+from resonance_mj.pictures.figures import drawing
 
 
 @pytest.fixture(scope="module")

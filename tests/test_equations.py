@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from resonance_mj.laws import equations, learning, springs
+from resonance_mj.laws import equations, learning
+from resonance_mj.springs import spring as springs
 
 # Repeatable: the same examples in every run.
 repeatable = settings(deadline=None, derandomize=True, database=None)

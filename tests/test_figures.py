@@ -15,11 +15,12 @@ from matplotlib.text import Text
 from PIL import Image
 
 import resonance_mj as rmj
-from resonance_mj import cli, palette
+from resonance_mj import cli
 from resonance_mj.errors import OutputError, PictureError
-from resonance_mj.figures import catalogue, naming, path, sizes, springs
+from resonance_mj.pictures import palette
+from resonance_mj.pictures.figures import catalogue, naming, path, sizes, springs
+from resonance_mj.pictures.film import captions, look
 from resonance_mj.results.cycles import kept
-from resonance_mj.video import captions, look
 
 SHORT = {
     "two-link-transfer": {"motion.0.duration": 12.0, "motion.1.duration": 12.0},
@@ -404,7 +405,7 @@ def test_a_folder_that_cannot_be_written_is_refused(runs, tmp_path):
 def test_figures_and_video_have_the_same_colours(runs):
     (lines,) = [each for each in (captions, look) if hasattr(each, "MOTOR")]
     assert lines.MOTOR is palette.MOTOR
-    from resonance_mj.video import overlays, plots
+    from resonance_mj.pictures.film import overlays, plots
 
     assert (plots.MEASURED, plots.OPTIMAL, plots.MUTED) == (
         palette.MEASURED, palette.OPTIMAL, palette.MUTED,
@@ -463,7 +464,7 @@ def test_a_bad_option_exits_2_with_one_line_and_leaves_nothing(
 
 def test_the_help_names_every_figure_and_needs_nothing_to_draw_with():
     code = (
-        "import sys; from resonance_mj.figures import catalogue; "
+        "import sys; from resonance_mj.pictures.figures import catalogue; "
         "print([name for name in ('matplotlib', 'numpy', 'xarray') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

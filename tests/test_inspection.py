@@ -6,10 +6,10 @@ import two_link
 
 import resonance_mj as rmj
 from resonance_mj import cli
+from resonance_mj.evaluation.inspection import inspect
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.inspection import inspect
-from resonance_mj.optimal_springs import follow, resolved
 from resonance_mj.robots.robot import build
+from resonance_mj.springs.optimum import follow, resolved
 
 SERVOS = """
 <mujoco>

@@ -8,12 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import resonance_mj as rmj
-from resonance_mj import optimal_springs
 from resonance_mj.experiments.motion_section import Motion
 from resonance_mj.motions import angular, default_motion, motion
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.motions.motion import blended, resolve, sample
 from resonance_mj.robots.robot import build
+from resonance_mj.springs import optimum as optimal_springs
 
 SIX_JOINTS = """
 <mujoco>

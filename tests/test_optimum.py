@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 import resonance_mj as rmj
-from resonance_mj.optimal_springs import best_springs
+from resonance_mj.springs.optimum import best_springs
 
 Q_C = np.array([-0.5, -2.0])
 UNBOUNDED = {"springs.stiffness": [-math.inf, math.inf]}

@@ -8,8 +8,8 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import library, testing
-from resonance_mj.checks import run_cache
-from resonance_mj.checks.run_cache import RunCache, fingerprint
+from resonance_mj.evaluation.checks import run_cache
+from resonance_mj.evaluation.checks.run_cache import RunCache, fingerprint
 
 RUN = """
 [robot]

@@ -16,8 +16,8 @@ from PIL import Image
 
 import resonance_mj as rmj
 from resonance_mj.errors import OutputError, PictureError
-from resonance_mj.video import gl
-from resonance_mj.video import shot as shots
+from resonance_mj.pictures.film import gl
+from resonance_mj.pictures.film import shot as shots
 
 SMALL = (320, 180)
 

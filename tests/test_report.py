@@ -16,9 +16,9 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import OutputError
-from resonance_mj.figures import catalogue
-from resonance_mj.reports import drawings, film, wording
-from resonance_mj.video import video
+from resonance_mj.pictures.figures import catalogue
+from resonance_mj.pictures.film import video
+from resonance_mj.pictures.page import drawings, film, wording
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PHONE, DESK = 360, 1280

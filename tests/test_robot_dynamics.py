@@ -7,8 +7,8 @@ import two_link
 
 import resonance_mj as rmj
 from resonance_mj.motions.kinematics import Kinematics
-from resonance_mj.optimal_springs import follow
 from resonance_mj.robots.robot import INTEGRATORS, build
+from resonance_mj.springs.optimum import follow
 
 MOTIONS = (two_link.first_motion, two_link.second_motion)
 

@@ -11,7 +11,7 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import library
-from resonance_mj.checks.check import judge
+from resonance_mj.evaluation.checks.check import judge
 from resonance_mj.laws import equations, learning
 
 slow = pytest.mark.sensitivity

@@ -9,12 +9,12 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import StabilityError
 from resonance_mj.laws import equations
-from resonance_mj.optimal_springs import follow
-from resonance_mj.robots.automatic_gains import gains
+from resonance_mj.laws.automatic_gains import gains
+from resonance_mj.laws.stability import sampled_loop, stability
+from resonance_mj.laws.stability.divergence import POSES, divergences
+from resonance_mj.plan.plan import prepare
 from resonance_mj.robots.robot import build
-from resonance_mj.simulation.preparation import prepare
-from resonance_mj.stability import sampled_loop, stability
-from resonance_mj.stability.divergence import POSES, divergences
+from resonance_mj.springs.optimum import follow
 
 PENDULUM = """
 <mujoco>

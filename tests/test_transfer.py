@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.laws import learning, springs
+from resonance_mj.laws import learning
+from resonance_mj.springs import spring as springs
 
 UNBOUNDED = ((-math.inf, math.inf), (-math.inf, math.inf))
 PHYSICAL = ((0.0, math.inf), (-math.pi, math.pi))

@@ -12,12 +12,12 @@ from virtual_display import display, until
 import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import PictureError
-from resonance_mj.simulation.preparation import prepare
-from resonance_mj.video import shot as shots
-from resonance_mj.viewer import display as displays
-from resonance_mj.viewer import live as living
-from resonance_mj.viewer.clock import Clock
-from resonance_mj.viewer.replay import frame
+from resonance_mj.pictures.film import shot as shots
+from resonance_mj.pictures.viewer import display as displays
+from resonance_mj.pictures.viewer import live as living
+from resonance_mj.pictures.viewer.clock import Clock
+from resonance_mj.pictures.viewer.replay import frame
+from resonance_mj.plan.plan import prepare
 
 GREY_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1 0"/>
 <geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/><body name="fore" pos=".3 0 0">

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.simulation.preparation import prepare
+from resonance_mj.plan.plan import prepare
 
 
 def notes(changes):

@@ -18,9 +18,10 @@ import llvmlite.binding
 import mujoco
 
 from ..errors import CallbackError
-from ..laws import controller, equations, memory, springs
+from ..laws import controller, equations, memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.memory import Header, block, matrix
+from ..springs import spring as springs
 from . import machine_code, structs
 
 _installing = threading.Lock()

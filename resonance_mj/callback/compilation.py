@@ -15,7 +15,7 @@ from ..errors import CallbackError
 from ..laws import memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.memory import Header, block, matrix
-from ..laws.step_functions import STEP_FUNCTIONS
+from ..step_functions import STEP_FUNCTIONS
 
 
 def translate(

@@ -38,8 +38,8 @@ def execute(options: argparse.Namespace) -> int:
 
 def certified(run: Run, folder: Path, console: Console) -> list[str]:
     """Print and draw a run's certificates; the names of the files that were written."""
-    from ..certificates.certificates import certify
-    from ..figures import certificate_figure, saving
+    from ..evaluation.certificates.certificates import certify
+    from ..pictures.figures import certificate_figure, saving
     from . import tables
 
     found = certify(run)

@@ -12,7 +12,7 @@ from . import keys_as_options
 from .console import DONE, NOT_WELL, bar, console
 
 if TYPE_CHECKING:
-    from ..checks.check import Judgement
+    from ..evaluation.checks.check import Judgement
     from ..results.run import Run
 
 HELP = "hold runs against what their experiments expect"
@@ -43,7 +43,7 @@ def execute(options: argparse.Namespace) -> int:
             f"--{next(iter(options.changes))}: --update writes what the files' own runs show; "
             "leave one of the two out"
         )
-    from ..checks import cases
+    from ..evaluation.checks import cases
 
     if options.junit is not None:
         from ..files import could_be_written
@@ -53,8 +53,8 @@ def execute(options: argparse.Namespace) -> int:
             raise OutputError(f"{options.junit}: is a folder; give --junit the name of a file")
     files = cases.named(options.runs)
     experiments = [cases.read(path, options.changes) for path in files]
-    from ..checks import convergence
-    from ..checks.check import judge
+    from ..evaluation.checks import convergence
+    from ..evaluation.checks.check import judge
     from ..simulation.simulation import simulate_many
     from . import tables
 
@@ -65,7 +65,7 @@ def execute(options: argparse.Namespace) -> int:
     for run, found in zip(runs, judgements, strict=True):
         screen.print(tables.judgements(run, found))
     if options.junit is not None:
-        from ..checks import junit
+        from ..evaluation.checks import junit
 
         junit.write(options.junit, runs, judgements)
     if options.update:
@@ -83,8 +83,8 @@ def _update(files: list[Path], runs: list[Run], judgements: list[list[Judgement]
     """Write what was found into the files, and hold the runs against them again."""
     from dataclasses import replace
 
-    from ..checks import cases, updating
-    from ..checks.check import judge
+    from ..evaluation.checks import cases, updating
+    from ..evaluation.checks.check import judge
     from ..results.run import Status
 
     for path, run in zip(files, runs, strict=True):

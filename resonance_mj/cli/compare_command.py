@@ -29,9 +29,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
-    from ..comparison import comparison
-    from ..figures import comparison_figure, saving
+    from ..evaluation.comparison import comparison
     from ..files import could_be_written
+    from ..pictures.figures import comparison_figure, saving
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")

@@ -24,8 +24,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
+    from ..evaluation.inspection import inspect
     from ..experiments.loading import for_robot
-    from ..inspection import inspect
     from . import tables
 
     changes: dict[str, Any] = {}

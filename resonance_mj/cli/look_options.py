@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..video.look import Look
+    from ..pictures.film.look import Look
 
 PARTS = {
     "path": "the desired path",
@@ -54,7 +54,7 @@ def add_look(
 
 def look(options: argparse.Namespace, **more: Any) -> Look:
     """The look that the options of `add_look` ask for, and `more` of it."""
-    from ..video.look import Look
+    from ..pictures.film.look import Look
 
     names = (part.replace("-", "_") for part in PARTS)
     more.update({name: not getattr(options, f"no_{name}", False) for name in names})

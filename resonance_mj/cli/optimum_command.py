@@ -18,8 +18,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
-    from ..optimal_springs import along, follow, resolved
     from ..robots import robot
+    from ..springs.optimum import along, follow, resolved
     from . import tables
 
     arm = robot.build(experiment)

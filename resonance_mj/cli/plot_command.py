@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..figures.catalogue import FIGURES
-from ..figures.sizes import DPI, FORMATS
+from ..pictures.figures.catalogue import FIGURES
+from ..pictures.figures.sizes import DPI, FORMATS
 from .console import DONE
 
 HELP = "draw the figures of a saved run, or several runs in one figure"
@@ -38,7 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    from ..figures.plot import plot
+    from ..pictures.figures.plot import plot
     from ..results.run import Run
 
     names = [name for given in options.figures or [] for name in given.split(",")]

@@ -30,8 +30,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
+    from ..pictures.film import video
     from ..results.run import Run
-    from ..video import video
 
     look = look_options.look(options, size=_size(options.size))
     runs = [Run.load(folder) for folder in options.runs]

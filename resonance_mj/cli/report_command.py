@@ -30,7 +30,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    from ..reports.report import report
+    from ..pictures.page.report import report
 
     screen = console()
     with bar("report", "pictures", screen) as show:

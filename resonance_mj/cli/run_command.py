@@ -32,8 +32,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
-    from ..figures import drawing
     from ..files import could_be_written
+    from ..pictures.figures import drawing
 
     folder = could_be_written(options.out or Path("runs") / experiment.name)
     screen = console()

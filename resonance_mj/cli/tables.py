@@ -12,14 +12,14 @@ from rich.console import Group
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from ..checks.check import Judgement
-    from ..comparison.comparison import Comparison
-    from ..experiments.claims import Certificates
+    from ..evaluation.certificates.claims import Certificates
+    from ..evaluation.checks.check import Judgement
+    from ..evaluation.comparison.comparison import Comparison
+    from ..evaluation.inspection import Inspection, Joint
     from ..experiments.experiment import Experiment
-    from ..inspection import Inspection, Joint
-    from ..optimal_springs import Optimum
     from ..results.run import Run
     from ..robots.robot import Robot
+    from ..springs.optimum import Optimum
 
 
 ABREAST = 2
@@ -265,7 +265,7 @@ def suggestion(found: Inspection) -> Table:
 
 def judgements(run: Run, found: list[Judgement]) -> Table:
     """What a run was expected to show, and what it shows."""
-    from ..checks import convergence
+    from ..evaluation.checks import convergence
 
     missed = sum(not one.passed for one in found)
     table = Table(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import ExperimentError
-from ..viewer.clock import KEYS_HELP
+from ..pictures.viewer.clock import KEYS_HELP
 from . import keys_as_options, look_options
 from .console import DONE, NOT_WELL, console
 
@@ -41,8 +41,8 @@ def execute(options: argparse.Namespace) -> int:
     # Windows are GLFW's, whatever pictures are drawn with; MuJoCo reads this when it is imported.
     os.environ["MUJOCO_GL"] = "glfw"
     what = _what(options)
+    from ..pictures.viewer.view import view
     from ..status import Status
-    from ..viewer.view import view
 
     screen = console()
     failed = []

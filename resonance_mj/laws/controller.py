@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import equations, springs
+from ..springs import spring as springs
+from ..step_functions import step_function
+from . import equations
 from .memory import Header, matrix, vector
-from .step_functions import step_function
 
 Command = Callable[..., None]
 """Sets y and τ from (memory, n, m, qpos, qvel, u, y, tau)."""

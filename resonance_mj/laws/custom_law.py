@@ -16,9 +16,9 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..experiments.law_section import KINDS
+from ..step_functions import step_function
 from .controller import Command, standard
 from .memory import Header, matrix, vector
-from .step_functions import step_function
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from .step_functions import step_function
+from ..step_functions import step_function
 
 
 @step_function

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import springs
+from ..springs import spring as springs
 
 
 class Cycle(NamedTuple):

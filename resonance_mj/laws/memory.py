@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from .step_functions import step_function
+from ..step_functions import step_function
 
 ARRAYS: dict[str, tuple[str, ...]] = {
     # the robot

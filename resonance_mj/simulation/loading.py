@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..laws import springs
 from ..laws.memory import Memory
 from ..motions.kinematics import Kinematics
-from .preparation import Prepared, desired
+from ..plan.plan import Prepared, desired
+from ..springs import spring as springs
 
 
 def load_law(memory: Memory, index: int, one: Prepared) -> None:

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 
 from ..experiments.experiment import Experiment
-from ..laws import springs
 from ..laws.memory import COLUMNS, Memory
 from ..motions.kinematics import Kinematics
-from ..optimal_springs import Optimum, best_springs
 from ..robots.robot import Robot
+from ..springs import spring as springs
+from ..springs.optimum import Optimum, best_springs
 
 UNITS = {
     "q": "rad",

@@ -11,9 +11,9 @@ from ..callback.callback import installed, refuse_another
 from ..experiments.experiment import Experiment
 from ..laws import controller, learning
 from ..laws.memory import Memory
+from ..plan.plan import Followed, Prepared, prepare, refuse_unstable
 from ..results.run import Run, Status
 from .loading import load_law, load_motion
-from .preparation import Followed, Prepared, prepare, refuse_unstable
 from .recording import Recording
 from .stepper import Alone, Stepper, Together
 

@@ -1,0 +1,1 @@
+"""What runs and plans show: expectations, certificates, comparison, inspection."""

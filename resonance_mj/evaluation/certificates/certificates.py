@@ -1,0 +1,228 @@
+"""What the stability proof of Sec. V claims, checked on a run: (9), (11), (12), (15), (22).
+
+A run is read, never simulated. What the proof knows and the law does not, the desired joint motion
+and its best springs, comes from inverse kinematics and inverse dynamics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from ...errors import RobotError
+from ...experiments.experiment import Experiment
+from ...laws.automatic_gains import gains
+from ...laws.gains import Gains
+from ...motions.kinematics import Kinematics
+from ...results.cycles import Cycle, kept
+from ...results.run import Run, Status
+from ...robots.robot import Robot, build
+from ...springs import spring as springs
+from ...springs.optimum import Optimum, along, best_springs, center, follow
+from .claims import (
+    FALLING,
+    OF_A_CYCLE,
+    OPTIMAL,
+    PASSIVE,
+    Certificate,
+    Certificates,
+    left_over,
+    unknown,
+)
+from .lyapunov import Balance, balance
+from .orthogonality import Handover, optimal, printed, transferred
+
+FLOOR = 1e-6
+"""Changes of N below this share of a motion's first N are the integrator's, not the law's."""
+
+HANDOVERS: dict[str, Handover] = {"paper": printed, "transfer": transferred}
+"""What (9) and (11) leave over, for each law with a proof."""
+
+
+def certify(run: Run) -> Certificates:
+    """Check on a run what the proof claims, in the cycles whose samples were kept.
+
+    Args:
+        run: from `simulate` or `Run.load`, whole or thinned, however it ended.
+
+    Returns:
+        For each motion: what is learned, (9); its orthogonality, (11); that of the optimum, (12);
+        the passivity (15); N of (22). One that does not apply says why.
+
+    Raises:
+        RobotError: the robot's file is missing, or is not the one that was run.
+        MotionError: the arm cannot follow the motion: likewise.
+    """
+    experiment = run.experiment
+    robot = build(experiment)
+    found = follow(experiment, robot)
+    cycles = kept(run)
+    chosen = gains(experiment, robot)
+    q_s = center(experiment.law.q_s, found, robot)
+    of_motion = [
+        [cycle for cycle in cycles if cycle.motion == index and not cycle.passage]
+        for index in range(len(experiment.motion))
+    ]
+    best: list[Optimum] | list[Optimum | None]
+    if robot.m == robot.n:
+        best = along(experiment, robot, found)
+        _check_robot(run, best)
+    else:
+        best = [_of_motion_made(run, mine) for mine in of_motion]
+    items: list[Certificate] = []
+    for number, (mine, optimum) in enumerate(zip(of_motion, best, strict=True), start=1):
+        items += _handovers(number, _pairs(mine, cycles), experiment, robot, chosen, q_s)
+        items.append(_optimum(number, optimum, experiment, robot))
+        items += _energies(number, mine, optimum, experiment, robot, chosen)
+    return Certificates(
+        name=experiment.name,
+        items=tuple(items),
+        joints=robot.joints,
+        unit="N s/m" if robot.slides.all() else "N m s/rad",
+        enough=float(np.linalg.eigvalsh(chosen.learning).max() / 2),
+    )
+
+
+def _check_robot(run: Run, best: list[Optimum]) -> None:
+    recorded = run.data["torque_squared_without_springs"].values
+    now = np.array([optimum.torque_squared_without_springs for optimum in best])
+    if not np.allclose(now, recorded, rtol=1e-6):
+        raise RobotError(
+            f"{run.experiment.robot.mjcf}: is not the robot of the run {run.experiment.name}: its "
+            f"motions need torque² of {now.round(3).tolist()} N² m² without springs, and those of "
+            f"the run {recorded.round(3).tolist()}; give the file back as it was, or run again"
+        )
+
+
+def _of_motion_made(run: Run, cycles: list[Cycle]) -> Optimum | None:
+    """The optimum of the joint motion made last, where the task does not determine one."""
+    if run.status is not Status.OK or not cycles:
+        return None
+    last = cycles[-1]
+    return best_springs(
+        last.q,
+        last.tau + springs.torque(last.stiffness, last.offset, last.q, last.center),
+        center=last.center,
+        period=run.experiment.motion[last.motion].period,
+        bounds=run.experiment.springs,
+    )
+
+
+def _pairs(mine: list[Cycle], cycles: list[Cycle]) -> list[tuple[Cycle, Cycle]]:
+    """Each cycle with the next, where that was kept and has as many samples."""
+    numbered = {cycle.number: cycle for cycle in cycles}
+    pairs = ((now, numbered.get(now.number + 1)) for now in mine)
+    return [(now, then) for now, then in pairs if then and len(then.q) == len(now.q)]
+
+
+def _handovers(
+    motion: int,
+    pairs: list[tuple[Cycle, Cycle]],
+    experiment: Experiment,
+    robot: Robot,
+    chosen: Gains,
+    q_s: np.ndarray,
+) -> list[Certificate]:
+    """(9) and (11), from each cycle to the next."""
+    kind = experiment.law.kind
+    claims = OF_A_CYCLE.get(kind, OF_A_CYCLE["paper"])
+    if kind not in HANDOVERS:
+        return [unknown(motion, claim, _no_proof(kind)) for claim in claims]
+    if not pairs:
+        why = "no two cycles in a row were kept"
+        return [unknown(motion, claim, why) for claim in claims]
+    cycles = np.array([now.number for now, _ in pairs])
+    left = np.array([HANDOVERS[kind](*pair, chosen, q_s, experiment.springs) for pair in pairs])
+    return [
+        left_over(motion, claim, cycles, left[:, part], robot.joints)
+        for part, claim in enumerate(claims)
+    ]
+
+
+def _optimum(
+    motion: int, best: Optimum | None, experiment: Experiment, robot: Robot
+) -> Certificate:
+    """(12)."""
+    if best is None:
+        return unknown(motion, OPTIMAL, NO_MOTION)
+    left = optimal(best, experiment.springs)[None]
+    return left_over(motion, OPTIMAL, np.zeros(0, int), left, robot.joints)
+
+
+def _energies(
+    motion: int,
+    mine: list[Cycle],
+    best: Optimum | None,
+    experiment: Experiment,
+    robot: Robot,
+    chosen: Gains,
+) -> list[Certificate]:
+    """(15) and (22)."""
+    why = ""
+    if experiment.law.kind not in HANDOVERS:
+        why = _no_proof(experiment.law.kind)
+    elif chosen.jacobian == "transpose":
+        why = "there is no proof with Jᵀ in (8)"
+    elif np.linalg.matrix_rank(chosen.learning) < robot.n:
+        why = "the learning gain is 0"
+    elif best is None:
+        why = NO_MOTION
+    elif len(mine) < 2:
+        why = "no two cycles were kept"
+    if why or best is None:
+        return [unknown(motion, claim, why) for claim in (PASSIVE, FALLING)]
+    kinematics = Kinematics(robot)
+    rows = [balance(cycle, best, experiment, chosen, kinematics) for cycle in mine]
+    return [_passivity(motion, rows), _decrease(motion, rows)]
+
+
+def _passivity(motion: int, rows: list[Balance]) -> Certificate:
+    """(15): c_7 of each cycle whose state at the end is known, as the beginning of the next."""
+    spent = {
+        now.number: (now.supplied - (then.motion - now.motion) - now.adapted, now.y_squared)
+        for now, then in pairwise(rows)
+        if then.number == now.number + 1
+    }
+    least = FLOOR * rows[0].N
+    c_7 = {number: a / b for number, (a, b) in spent.items() if not 2 * abs(a) <= least}
+    if not c_7:
+        return unknown(motion, PASSIVE, "no two cycles in a row were kept, or N is at its floor")
+    cycles, values = np.array(list(c_7)), np.array(list(c_7.values()))
+    worst = int(np.argmin(values))
+    return Certificate(
+        motion=motion,
+        claim=PASSIVE,
+        cycles=cycles,
+        values=values,
+        fails=~(values > 0),
+        worst=float(values[worst]),
+        where=str(cycles[worst]),
+    )
+
+
+def _decrease(motion: int, rows: list[Balance]) -> Certificate:
+    """(22): N of each cycle; a cycle fails if N of the next that was kept is larger."""
+    N = np.array([row.N for row in rows])
+    change = np.append(np.diff(N), 0.0)
+    judged = ~(np.abs(change) <= FLOOR * N[0])
+    found = Certificate(
+        motion=motion,
+        claim=FALLING,
+        cycles=np.array([row.number for row in rows]),
+        values=N,
+        fails=judged & ~(change <= 0),
+    )
+    if not judged.any():
+        return replace(found, note="N is at its floor")
+    ratio = np.where(judged, 1 + change / N, -np.inf)
+    worst = int(np.argmax(ratio))
+    return replace(found, worst=float(ratio[worst]), where=str(found.cycles[worst]))
+
+
+NO_MOTION = "the task leaves joints free, and no last motion was made to compare with"
+
+
+def _no_proof(kind: str) -> str:
+    return f"claimed of the laws {' and '.join(HANDOVERS)}, not of {kind}"

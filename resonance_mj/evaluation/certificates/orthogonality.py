@@ -1,0 +1,105 @@
+"""What is left over of (9), (11) and (12), as a share of a torque per joint: 0 where they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...experiments.sections import Springs
+from ...laws import learning
+from ...laws.gains import Gains
+from ...results.cycles import Cycle
+from ...springs import spring as springs
+from ...springs.optimum import Optimum
+
+Handover = Callable[[Cycle, Cycle, Gains, np.ndarray, Springs], tuple[np.ndarray, np.ndarray]]
+"""What (9) and (11) leave over (n,), (n,) from a cycle to the next, with the gains, q_s, bounds."""
+
+
+def printed(
+    now: Cycle, then: Cycle, gains: Gains, q_s: np.ndarray, bounds: Springs
+) -> tuple[np.ndarray, np.ndarray]:
+    """The law as printed. (9): u(t+T) is u - β y but for a multiple of q̄. (11): u(t+T) ⟂ q̄."""
+    v = now.u - learning.corrected(now.y, gains.learning, gains.lead)
+    v = learning.low_pass(v, gains.harmonics)
+    q_bar = now.q - q_s
+    dropped = v - then.u
+    return share(dropped - _along(dropped, q_bar), v), share(_along(then.u, q_bar), v)
+
+
+def transferred(
+    now: Cycle, then: Cycle, gains: Gains, q_s: np.ndarray, bounds: Springs
+) -> tuple[np.ndarray, np.ndarray]:
+    """The transfer law. (9): motor and spring go on as before. (11): the spring takes no more."""
+    v = now.u - learning.corrected(now.y, gains.learning, gains.lead)
+    v = learning.low_pass(v, gains.harmonics)
+    k, offset = then.stiffness[0], then.offset[0]
+    before = v + springs.torque(now.last_stiffness, now.last_offset, now.q, now.center)
+    after = then.u + springs.torque(k, offset, now.q, then.center)
+    left = untaken(then.u, now.q, k, offset, then.center, bounds)
+    return share(after - before, before), share(left, v)
+
+
+def optimal(best: Optimum, bounds: Springs) -> np.ndarray:
+    """(12), and with bounds what takes its place: the best springs take no more of τ_dopt (n,)."""
+    left = untaken(best.torque, best.q, best.stiffness, best.offset, best.center, bounds)
+    return share(left, best.torque_without_springs)
+
+
+def untaken(
+    torque: np.ndarray,
+    q: np.ndarray,
+    stiffness: np.ndarray,
+    offset: np.ndarray,
+    center: np.ndarray,
+    bounds: Springs,
+) -> np.ndarray:
+    """Torque that would go from the motors to the springs if these were moved to the best feasible.
+
+    It vanishes where the projected gradient of ∫τ² dt does. Where no bound is active that is
+    ∫τ (q - c) dt = 0 for every constant c; where one is, the variational inequality of the optimum.
+
+    Args:
+        torque: of the motors over a cycle (N, n) [N m].
+        q: joint angles over it (N, n) [rad].
+        stiffness: of the springs that act meanwhile (n,) [N m/rad].
+        offset: their offset torque about `center` (n,) [N m].
+        center: q_c (n,) [rad].
+        bounds: of the springs, about `center`.
+
+    Returns:
+        Torque (N, n) [N m].
+    """
+    mean = q.mean(axis=0)
+    z = q - mean
+    variance = (z**2).mean(axis=0)
+    w = np.where(variance > springs.STILL, learning.spring_like_part(torque, z), 0.0)
+    level = torque.mean(axis=0)
+    shift = mean - center
+    low, high = bounds.equilibrium
+    taken = np.empty_like(torque)
+    for j in range(len(mean)):
+        # About the mean angle, where stiffness and offset do not interact in ∫τ² dt.
+        here = offset[j] - stiffness[j] * shift[j]
+        k, b = springs.nearest(
+            stiffness[j] - w[j],
+            here + level[j],
+            *bounds.stiffness,
+            low - shift[j],
+            high - shift[j],
+            variance[j],
+        )
+        taken[:, j] = (b - here) - (k - stiffness[j]) * z[:, j]
+    return taken
+
+
+def share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """Root mean square of a part over that of the whole (n,); no part of nothing is 0."""
+    size, of = (np.sqrt((signal**2).mean(axis=0)) for signal in (part, whole))
+    return np.divide(size, of, out=np.where(size > 0, np.inf, 0.0), where=of > 0)
+
+
+def _along(torque: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
+    """The part w q̄ of a torque (N, n) that (10) finds in it."""
+    return learning.spring_like_part(torque, q_bar) * q_bar

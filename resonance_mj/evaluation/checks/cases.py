@@ -1,0 +1,128 @@
+"""Experiment files under test: those that hold [expect], found, read and held against the robot."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ... import library
+from ...errors import ExperimentError
+from ...experiments.expectations import Expected
+from ...experiments.experiment import Experiment
+from ...experiments.loading import find, load
+
+
+def holds_expectations(path: Path) -> bool:
+    """Whether a TOML file has a section [expect]; one that an edit has broken does by its text."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        return "expect" in tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        return re.search(r"^\s*\[{1,2}\s*expect\b", text, re.MULTILINE) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def named(names: Sequence[str]) -> list[Path]:
+    """The files that names, paths and folders stand for.
+
+    Args:
+        names: built-in names, TOML files, or folders, of which every TOML file with [expect] is
+            meant. None at all mean those in the working folder and in its folder runs; where there
+            are none either, those that come with the program.
+
+    Raises:
+        ExperimentError: there is no such file, or one holds no expectations.
+    """
+    if not names:
+        here = [*_within(Path()), *_within(Path("runs"))]
+        return here or [path for path in library.experiments().values() if holds_expectations(path)]
+    files: list[Path] = []
+    for name in names:
+        if Path(name).is_dir():
+            within = _within(Path(name))
+            if not within:
+                raise ExperimentError(f"{name}: no TOML file in this folder has a section [expect]")
+            files += within
+        else:
+            files.append(find(name))
+    return list(dict.fromkeys(files))
+
+
+def _within(folder: Path) -> list[Path]:
+    return [path for path in sorted(folder.glob("*.toml")) if holds_expectations(path)]
+
+
+def read(path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Experiment:
+    """Load an experiment under test; its expectations fit its motions and its robot's joints.
+
+    Args:
+        path: a built-in name, or a TOML file.
+        changes: dotted keys and other values for them, as in `Experiment.replace`.
+
+    Raises:
+        ExperimentError: the file is not valid, has no [expect], or expects something of a motion
+            or a joint that is not there.
+        RobotError: the robot cannot be loaded.
+    """
+    # MuJoCo is imported where an arm is built: a report judges without it.
+    from ...robots.robot import build
+
+    experiment = load(path).replace(changes or {})
+    if not holds_expectations(find(path)):
+        raise ExperimentError(
+            f'{path}: has no section [expect], which says what to check; `stiffness = "optimal"` '
+            "in it is enough"
+        )
+    fit(experiment, build(experiment).joints, str(path))
+    return experiment
+
+
+def fit(experiment: Experiment, joints: Sequence[str], source: str) -> None:
+    """See that what is expected is of motions and joints that there are.
+
+    Args:
+        experiment: with `expect`.
+        joints: names of the joints of its robot's arm.
+        source: what error messages name, such as the file.
+
+    Raises:
+        ExperimentError: a list is not as long as it must be, or a joint does not exist.
+    """
+    motions, given = len(experiment.motion), len(experiment.expect.motion)
+    if given not in (0, motions):
+        raise ExperimentError(
+            f"{source}: expect.motion has {given} tables, and there are {motions} motions: give a "
+            "table [[expect.motion]] for each motion, in order, empty where nothing is expected"
+        )
+    for key, expected in _of_joints(experiment):
+        unknown = [name for name in expected.joints or () if name not in joints]
+        if unknown:
+            close = difflib.get_close_matches(unknown[0], joints, n=1)
+            raise ExperimentError(
+                f"{source}: {key}.joints = {list(expected.joints or ())}: "
+                f"{experiment.robot.mjcf} has no joint {unknown[0]!r} in its arm"
+                + (f" (did you mean {close[0]!r}?)" if close else "")
+                + f"; its joints are {', '.join(joints)}"
+            )
+        meant = expected.joints or joints
+        if isinstance(expected.value, tuple) and len(expected.value) != len(meant):
+            raise ExperimentError(
+                f"{source}: {key}.value = {list(expected.value)}: {len(expected.value)} numbers "
+                f"for {len(meant)} joints; give one for each of {', '.join(meant)}, or one for all"
+            )
+
+
+def _of_joints(experiment: Experiment) -> Iterator[tuple[str, Expected]]:
+    """Every expectation, with its dotted key."""
+    expect = experiment.expect
+    for name, expected in expect.figures().items():
+        yield f"expect.{name}", expected
+    for index, motion in enumerate(expect.motion):
+        for name, expected in motion.figures().items():
+            yield f"expect.motion.{index}.{name}", expected

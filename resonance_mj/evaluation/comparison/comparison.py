@@ -1,0 +1,208 @@
+"""The laws that users compare, on one experiment: how good each is, and whether it lasts."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ...errors import ExperimentError
+from ...experiments.experiment import Experiment
+from ...files import replacing, writable
+from ...results import metrics
+from ...results.run import Run, Status
+from ...simulation.simulation import Progress, simulate_many
+from .contenders import contending
+
+SHORTEST = 20
+"""Fewest cycles of the last motion that say whether a law lasts."""
+
+STEADY = 0.05
+"""Relative spread of torque² over the second half of a long run up to which it counts as held."""
+
+
+class Verdict(NamedTuple):
+    """What a long run of the last motion showed."""
+
+    diverged: int | None
+    """Cycle of the motion in which it diverged, 0 for an earlier motion; None if it did not."""
+    lowest: float
+    """Least torque² of the second half, as a multiple of the optimum's."""
+    highest: float
+    """Greatest torque² of the second half, as a multiple of the optimum's."""
+
+    def __str__(self) -> str:
+        if self.diverged is not None:
+            return f"DIVERGED at {self.diverged}" if self.diverged else "DIVERGED before"
+        band = metrics.OPTIMUM_BAND
+        if 1 - band <= self.lowest and self.highest <= 1 + band:
+            return "holds the optimum"
+        if self.highest <= (1 + STEADY) * self.lowest:
+            return f"{self.highest:.3g} × optimum"
+        return f"{self.lowest:.2g}-{self.highest:.2g} × optimum"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Runs of one experiment under several laws.
+
+    Attributes:
+        experiment: what was compared, with its own law.
+        titles: what each law is called, by its name.
+        runs: the experiment under each law, by its name.
+        long: the same with the last motion repeated long; empty if none was asked for.
+    """
+
+    experiment: Experiment
+    titles: dict[str, str]
+    runs: dict[str, Run]
+    long: dict[str, Run]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A dict per law and motion, of the motion's last cycle.
+
+        law, title, motion, torque_reduction, torque_reduction_optimal, share (of the possible
+        reduction), cycles_to_optimum, tracking_rms [m], peak_torque (the highest of any joint)
+        [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J], status, and
+        long_run in the last motion's. None for what a run that diverged did not reach.
+        """
+        return [
+            {"law": name, "title": title, **figures}
+            for name, title in self.titles.items()
+            for figures in self._of(name)
+        ]
+
+    def verdict(self, name: str) -> Verdict | None:
+        """What the long run of a law showed; None if there was none."""
+        if name not in self.long:
+            return None
+        run = self.long[name]
+        last = run.data["segment"].values[-1]
+        mine = run.data.sel(segment=last, cycle=run.data["segment_of_cycle"] == last)
+        ratio = (mine["torque_squared"] / mine["torque_squared_optimal"]).values
+        if run.status is Status.DIVERGED:
+            return Verdict(len(ratio) + _fell(run) if len(ratio) else 0, np.inf, np.inf)
+        second = ratio[len(ratio) // 2 :]
+        return Verdict(None, float(second.min()), float(second.max()))
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Write compare.json, compare.csv, and each law's run into a folder of its own.
+
+        Of the long runs, long.nc holds torque² and tracking RMS per cycle.
+
+        Raises:
+            OutputError: a folder cannot be written.
+        """
+        folder = writable(folder)
+        for name, run in self.runs.items():
+            run.save(folder / name)
+        if self.long:
+            kept = [run.data[["torque_squared", "tracking_rms"]] for run in self.long.values()]
+            law = xr.DataArray(list(self.long), dims="law", name="law")
+            with replacing(folder / "long.nc") as path:
+                xr.concat(kept, law, join="outer").to_netcdf(path, engine="h5netcdf")
+        rows = self.rows()
+        with replacing(folder / "compare.json") as path:
+            path.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        with (
+            replacing(folder / "compare.csv") as path,
+            path.open("w", encoding="utf-8", newline="") as file,
+        ):
+            table = csv.DictWriter(file, list(rows[0]))
+            table.writeheader()
+            table.writerows(rows)
+        return folder
+
+    def _of(self, name: str) -> list[dict[str, Any]]:
+        run, verdict = self.runs[name], self.verdict(name)
+        segments = run.summary()["segments"]
+        found = []
+        for number, one in enumerate(segments, start=1):
+            reduction, possible = one["torque_reduction"], one["torque_reduction_optimal"]
+            last = number == len(segments)
+            found.append(
+                {
+                    "motion": number,
+                    "torque_reduction": reduction,
+                    "torque_reduction_optimal": possible,
+                    "share": None if reduction is None else reduction / possible,
+                    "cycles_to_optimum": one["cycles_to_optimum"],
+                    "tracking_rms": one["tracking_rms"],
+                    **_effort(run, number),
+                    "status": str(run.status),
+                    "long_run": str(verdict) if verdict and last else None,
+                }
+            )
+        return found
+
+
+def compare(
+    experiment: Experiment,
+    *,
+    long: int = 1000,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Simulate an experiment under each law that users compare, many at a time.
+
+    Args:
+        experiment: what to compare on; of its law, gains are taken that fit the others. If its law
+            is a file, it is compared as well.
+        long: how many cycles of the last motion show whether a law lasts; 0 for none.
+        threads: how many to use; 0 for all cores.
+        progress: called with the cycles done and the cycles of all runs.
+
+    Raises:
+        ExperimentError: `long` is neither 0 nor at least 20.
+        RobotError: the robot cannot be loaded.
+        MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        CallbackError: another simulation is running in this process.
+    """
+    if long and long < SHORTEST:
+        raise ExperimentError(
+            f"long = {long}: 0 for no long run, or at least {SHORTEST} cycles of the last motion"
+        )
+    laws, each = zip(*contending(experiment), strict=True)
+    names = [law.name for law in laws]
+    lasting = [_lengthened(one, long) for one in each] if long else []
+    runs = simulate_many([*each, *lasting], threads=threads, progress=progress)
+    return Comparison(
+        experiment=experiment,
+        titles={law.name: law.title for law in laws},
+        runs=dict(zip(names, runs[: len(each)], strict=True)),
+        long=dict(zip(names, runs[len(each) :], strict=False)),
+    )
+
+
+def _lengthened(experiment: Experiment, cycles: int) -> Experiment:
+    """With the last motion repeated so often, and few samples kept."""
+    index, motion = len(experiment.motion) - 1, experiment.motion[-1]
+    return experiment.replace(
+        {f"motion.{index}.duration": cycles * motion.period, "simulation.samples": 1}
+    )
+
+
+def _effort(run: Run, segment: int) -> dict[str, float | None]:
+    """Peak torque [N m] and energy [J] of the motors in the last cycle of a motion."""
+    data, experiment = run.data, run.experiment
+    motion = experiment.motion[segment - 1]
+    last = sum(one.cycles for one in experiment.motion[:segment])
+    cycle = data.sel(time=data["cycle_of_sample"] == last)
+    if cycle.sizes["time"] < motion.steps(experiment.simulation.timestep):
+        return {"peak_torque": None, "energy": None}
+    power = np.abs(cycle["tau"].values * cycle["dq"].values).sum(axis=1)
+    return {
+        "peak_torque": float(np.abs(cycle["tau"].values).max()),
+        "energy": float(power.sum() * experiment.simulation.timestep),
+    }
+
+
+def _fell(run: Run) -> bool:
+    """Whether a run ended within a cycle."""
+    return int(run.data["cycle_of_sample"].values[-1]) > run.data.sizes["cycle"]

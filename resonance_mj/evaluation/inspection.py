@@ -1,0 +1,293 @@
+"""What the program finds in an arm: its numbers, a motion and gains for it, and why."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import tomlkit
+
+from ..experiments.experiment import Experiment
+from ..experiments.keys import describe
+from ..laws import automatic_gains as automatic
+from ..laws.gains import Gains
+from ..motions import default_motion
+from ..motions.kinematics import JointMotion, Kinematics
+from ..plan import notes as warnings
+from ..robots import mjcf
+from ..robots.robot import Robot, build
+from ..springs.optimum import Optimum, along, follow, resolved
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of the arm, with what the suggested motion asks of it.
+
+    Where it slides, its angles are in m, its torques in N, its damping in N s/m and its inertia in
+    kg.
+
+    Attributes:
+        name: in the MJCF.
+        slides: whether it is a slide joint; else it is a hinge.
+        home: angle at home [rad].
+        range: least and greatest angle [rad]; None without limit.
+        damping: viscosity [N m s/rad].
+        inertia: diagonal element of the inertia matrix at home [kg m^2].
+        torque_limit: least and greatest torque of its motor [N m]; infinite without limit.
+        peak_speed: largest speed along the motion [rad/s].
+        peak_torque: largest motor torque along it without springs [N m].
+        peak_torque_with_springs: the same with the best constant springs [N m].
+    """
+
+    name: str
+    slides: bool
+    home: float
+    range: tuple[float, float] | None
+    damping: float
+    inertia: float
+    torque_limit: tuple[float, float]
+    peak_speed: float
+    peak_torque: float
+    peak_torque_with_springs: float
+
+    @property
+    def share(self) -> float:
+        """Peak motor torque without springs, as a share of the motor's smaller limit."""
+        weaker = min(abs(end) for end in self.torque_limit)
+        return self.peak_torque / weaker if weaker else np.inf
+
+
+@dataclass(frozen=True)
+class Tool:
+    """What could follow the motion: moved by as many joints as the MJCF has in a row.
+
+    Attributes:
+        name: in the MJCF.
+        kind: site or body.
+        body: the body that carries a site; the body itself.
+    """
+
+    name: str
+    kind: str
+    body: str
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What was found in an arm.
+
+    Attributes:
+        experiment: the suggestion, with all that was found written out; it runs to the same result
+            as with nothing given but the MJCF.
+        joints: of the arm, from the base to the tool.
+        tools: what could be the tool, first what is.
+        tool: the one that is.
+        tool_reason: why.
+        axes: names of the task's coordinates.
+        reach: from the first joint to the tool with the arm stretched out [m].
+        conditioning: smallest to largest singular value of J, at each time step of a cycle (N,).
+        gains: that the experiment has on the arm.
+        torque_reduction: share of ∫τᵀτ dt that the best constant springs take over.
+        notes: what was chosen and changed, and what to know before a run, a line each.
+    """
+
+    experiment: Experiment
+    joints: tuple[Joint, ...]
+    tools: tuple[Tool, ...]
+    tool: Tool
+    tool_reason: str
+    axes: tuple[str, ...]
+    reach: float
+    conditioning: np.ndarray
+    gains: Gains
+    torque_reduction: float
+    notes: tuple[str, ...]
+
+    def to_toml(self) -> str:
+        """The suggested experiment as a TOML text with comments: what is worth changing."""
+        return _toml(self)
+
+
+def inspect(experiment: Experiment) -> Inspection:
+    """Look at the arm of an experiment, and at its first motion.
+
+    Raises:
+        RobotError: the robot cannot be loaded.
+        MotionError: the arm cannot follow the motion.
+    """
+    robot = build(experiment)
+    complete = resolved(experiment, robot)
+    found = follow(complete, robot)
+    optima = along(complete, robot, found)
+    gains = automatic.gains(complete, robot)
+    kinematics = Kinematics(robot)
+    values = [np.linalg.svd(kinematics.jacobian(q), compute_uv=False) for q in found[0].q]
+    tool = _tool(robot)
+    chosen = [note for note in robot.notes if note.startswith("tool: ")]
+    return Inspection(
+        experiment=_written_out(complete, robot, gains, tool),
+        joints=_joints(robot, found[0], optima[0]),
+        tools=tuple(dict.fromkeys((tool, *_tools(mjcf.find(experiment.robot.mjcf))))),
+        tool=tool,
+        tool_reason=chosen[0].rpartition(", ")[2] if chosen else "given",
+        axes=robot.axes,
+        reach=default_motion.reach(robot),
+        conditioning=np.array([one[-1] / one[0] for one in values]),
+        gains=gains,
+        torque_reduction=optima[0].torque_reduction,
+        notes=(
+            *robot.notes,
+            *warnings.before(complete, robot, found, optima),
+            *warnings.unstable(complete, robot, gains, found, optima),
+        ),
+    )
+
+
+def _joints(robot: Robot, motion: JointMotion, best: Optimum) -> tuple[Joint, ...]:
+    model, joint_id = robot.model, robot.joint_id
+    slides = model.jnt_type[joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    limited = model.jnt_limited[joint_id].astype(bool)
+    return tuple(
+        Joint(
+            name=name,
+            slides=bool(slides[j]),
+            home=float(robot.home[j]),
+            range=_ends(model.jnt_range[joint_id[j]]) if limited[j] else None,
+            damping=float(model.dof_damping[robot.dof_address[j]]),
+            inertia=float(robot.inertia[j, j]),
+            torque_limit=_ends(robot.torque_limit[j]),
+            peak_speed=float(np.abs(motion.dq[:, j]).max()),
+            peak_torque=float(np.abs(best.torque_without_springs[:, j]).max()),
+            peak_torque_with_springs=float(np.abs(best.torque[:, j]).max()),
+        )
+        for j, name in enumerate(robot.joints)
+    )
+
+
+def _ends(pair: np.ndarray) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])
+
+
+def _tool(robot: Robot) -> Tool:
+    name = robot.model.site(robot.site).name
+    body = robot.model.body(int(robot.model.site_bodyid[robot.site])).name
+    return Tool(body, "body", body) if name == mjcf.TOOL_SITE else Tool(name, "site", body)
+
+
+def _tools(path: Path) -> tuple[Tool, ...]:
+    """Sites and bodies with a name that the longest chain of hinges and slides moves."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    length = np.zeros(model.nbody)
+    for body in range(1, model.nbody):
+        first, number = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+        kinds = model.jnt_type[first : first + number]
+        # Balls and free bodies can carry no spring, nor can what they move be the tool.
+        springs = np.all(kinds >= int(mujoco.mjtJoint.mjJNT_SLIDE))
+        length[body] = length[model.body_parentid[body]] + (number if springs else np.nan)
+    at_end = length == np.nanmax(length)
+    sites = [model.site(i) for i in range(model.nsite) if at_end[model.site_bodyid[i]]]
+    bodies = [model.body(i) for i in range(model.nbody) if at_end[i]]
+    found = [Tool(site.name, "site", model.body(int(site.bodyid[0])).name) for site in sites]
+    found += [Tool(body.name, "body", body.name) for body in bodies]
+    return tuple(tool for tool in found if tool.name)
+
+
+def _written_out(complete: Experiment, robot: Robot, gains: Gains, tool: Tool) -> Experiment:
+    """An experiment with what was found in its robot and for its gains written out."""
+    given, law = complete.robot, complete.law
+    path = Path(given.mjcf)
+    # A keyframe that is named also holds joints off the chain: its name stays.
+    home = given.home if isinstance(given.home, str) else robot.home.tolist()
+    coordinates = [*robot.position_axes, *(["rotation"] if robot.rotates else [])]
+    changes = {
+        "robot.mjcf": str(path.resolve()) if path.is_file() else given.mjcf,
+        "robot.tool": tool.name,
+        "robot.home": home,
+        "task.coordinates": coordinates,
+        "law.lead": gains.lead,
+        "law.harmonics": gains.harmonics,
+    }
+    if law.k_v is None and law.k_p is None:
+        changes["law.omega"] = gains.omega
+    return complete.replace(changes)
+
+
+WORTH_CHANGING = (
+    "name",
+    "robot.mjcf",
+    "robot.tool",
+    "robot.home",
+    "task.coordinates",
+    "simulation.timestep",
+    "motion.0.duration",
+    "motion.0.period",
+    "motion.0.shape",
+    "motion.0.center",
+    "motion.0.size",
+    "motion.0.plane",
+    "law.kind",
+    "law.omega",
+    "law.eta",
+    "law.lead",
+    "law.harmonics",
+    "springs.stiffness",
+    "springs.equilibrium",
+)
+"""Keys that a suggested experiment has."""
+
+_WIDTH = 100
+
+
+def _toml(found: Inspection) -> str:
+    meanings = {key: meaning for key, _, meaning in describe()}
+    values = found.experiment.model_dump()
+    slides = any(joint.slides for joint in found.joints)
+    units = (f"{joint.name} [{'m' if joint.slides else 'rad'}]" for joint in found.joints)
+    more = {"robot.home": f" Here: {', '.join(units)}."}
+    if slides:
+        more["springs.stiffness"] = " [N/m] for slide joints."
+        more["springs.equilibrium"] = " [m] for slide joints."
+    lines = [line for text in (_HEADING, *found.notes) for line in _comment(text)]
+    section = ""
+    for key in WORTH_CHANGING:
+        parent, _, last = key.rpartition(".")
+        value = _at(values, key)
+        if value is None:
+            continue
+        if parent != section:
+            section = parent
+            lines += ["", "[[motion]]" if parent == "motion.0" else f"[{parent}]"]
+        # How it is found if not given says nothing here, where it is given.
+        meaning = re.sub(r";[^;]*if not given\.$", ".", " ".join(meanings[key].split()))
+        lines += _comment(meaning + more.get(key, ""))
+        item = list(value) if isinstance(value, tuple) else value
+        lines.append(f"{last} = {tomlkit.item(item).as_string()}")
+    return "\n".join(lines) + "\n"
+
+
+_HEADING = (
+    "Written by `resonance-mj inspect --toml`: what was found, in SI units and radians. Every "
+    "other key has its default; `resonance-mj keys` lists them all."
+)
+
+
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(
+        " ".join(text.split()),
+        _WIDTH,
+        initial_indent="# ",
+        subsequent_indent="# ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _at(values: Any, key: str) -> Any:
+    for part in key.split("."):
+        values = values[int(part)] if part.isdigit() else values[part]
+    return values

@@ -1,0 +1,128 @@
+"""Whether learning a motion will diverge: what grows, how fast, until when; what would not."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...experiments.experiment import Experiment
+from ...motions.kinematics import JointMotion
+from ...robots.robot import Robot
+from ...springs.optimum import Optimum, center
+from ..gains import Gains
+from . import onset, sampled_loop
+from .onset import Onset
+from .stability import examined, learning_loop
+
+POSES = 20
+"""Poses along a cycle at which the loop of learning is looked at."""
+
+LEADS = (1, 2, 3, 0)
+"""Leads to try in place of one that diverges [control periods]."""
+
+
+class Divergence(NamedTuple):
+    """How the learned torque of a motion will grow, and what would keep it from it.
+
+    Attributes:
+        onset: what grows, and the cycle of such a motion in which torque² passes that of the motion
+            without springs, if it were repeated for so long.
+        lead: the best `law.lead` of `LEADS`.
+        lead_margin: the multiple of β, or of η, that would not diverge with it, 1 or more if this β
+            would not.
+        harmonics: the largest `law.harmonics` found that would not; 0 if there is none.
+        margin: the multiple of β, or of η, that would not; next to 0 where every one diverges.
+    """
+
+    onset: Onset
+    lead: int
+    lead_margin: float
+    harmonics: int
+    margin: float
+
+
+def divergences(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    found: list[JointMotion],
+    optima: list[Optimum],
+) -> list[Divergence | None]:
+    """Of each motion of an experiment, how learning it alone will diverge; None if it will not.
+
+    Args:
+        experiment: what would be run, with a law of this program.
+        robot: its arm.
+        gains: as the arm has them.
+        found: the joint motions.
+        optima: their optima; the springs are taken to be there.
+    """
+    q_c = center(experiment.law.q_c, found, robot)
+    start = np.concatenate([robot.home, np.zeros(robot.n)])
+    said = []
+    for motion, joints, best in zip(experiment.motion, found, optima, strict=True):
+        begun = np.concatenate([joints.q[0], joints.dq[0]])
+        jump = None if motion.blend else start - begun
+        loaded = robot.carrying(motion.payload)
+        # Gains beyond all bounds overflow, and are above every limit all the same.
+        with np.errstate(over="ignore", invalid="ignore"):
+            why = _of_motion(experiment, loaded, gains, joints, best, q_c, jump)
+        if why:
+            # A passage into the motion teaches nothing.
+            cycle = why.onset.cycle + motion.blend
+            why = why._replace(onset=why.onset._replace(cycle=cycle))
+        said.append(why)
+        start = begun
+    return said
+
+
+def _of_motion(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    joints: JointMotion,
+    best: Optimum,
+    q_c: np.ndarray,
+    jump: np.ndarray | None,
+) -> Divergence | None:
+    steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
+    poses = joints.q[np.arange(POSES) * steps // POSES]
+    arm = sampled_loop.along(experiment, robot, gains, poses, stiffness=best.stiffness, q_c=q_c)
+    if not arm.stable:
+        return None
+    loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))
+    margin = loop.margin(lead, kept)
+    if margin >= 1:
+        return None
+    limit = best.torque_squared_without_springs
+    begins = onset.Beginning(
+        sampled_loop.SampledLoop(*(part[:1] for part in arm)),
+        gains.learning,
+        best.torque_without_springs,
+        lead=lead,
+        kept=kept,
+        jump=jump,
+    )
+    beginning = onset.at_the_beginning(limit, begins)
+    grows = [beginning, onset.elsewhere(loop, lead=lead)]
+    harmonics = loop.most_harmonics(lead)
+    # At most what it would be if the poses were held: the eigenvalues take time.
+    most = float(loop.multiplier(lead)[:, loop.low].max()) - 1
+    if most > (beginning.growth if beginning else 0):
+        low = onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept, first=harmonics + 1)
+        grows.append(low)
+    with_lead, lead_margin = LEADS[0], 0.0
+    for other in LEADS:
+        found = loop.margin(other, kept)
+        if found > lead_margin:
+            with_lead, lead_margin = other, found
+        if found >= 1:
+            break
+    return Divergence(
+        onset=min((one for one in grows if one), key=lambda one: one.cycle),
+        lead=with_lead,
+        lead_margin=lead_margin,
+        harmonics=harmonics,
+        margin=margin,
+    )

@@ -1,0 +1,154 @@
+"""The arm under its feedback, linearised at rest at poses of a motion and sampled in time.
+
+Δq, Δq̇ are the deviations from the desired joint motion, σ the torque of the springs' adaptation
+(6), (7). At a pose, with s(Δx) = Δx and J, M, q - q_c held,
+
+    M Δq̈ + D Δq̇ + k Δq = u + σ - F (Δq, Δq̇)      (1) with the feedback of (4)
+    y = C (Δq, Δq̇)                                 (8)
+    dσ/dt = -(Γ_k (q - q_c)² + Γ_qe) y             (6), (7)
+
+MuJoCo's integrator makes of it x(t+Δt) = A x(t) + B u(t), with u held over the time step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...experiments.experiment import Experiment
+from ...motions.kinematics import Kinematics
+from ...robots.robot import Robot
+from ..gains import Gains
+
+
+class SampledLoop(NamedTuple):
+    """x(t+Δt) = A x + B u, y = C x, τ = u - F x at P poses, with x = (Δq, Δq̇) or (Δq, Δq̇, σ)."""
+
+    A: np.ndarray
+    """(P, states, states)."""
+    B: np.ndarray
+    """(P, states, n)."""
+    C: np.ndarray
+    """(P, n, states)."""
+    F: np.ndarray
+    """(P, n, states)."""
+
+    @property
+    def stable(self) -> bool:
+        """Whether the arm comes to rest at each pose; else it has no response to learn from."""
+        return bool(np.abs(np.linalg.eigvals(self.A)).max() <= 1 + 1e-9)
+
+    def state(self, z: np.ndarray) -> np.ndarray:
+        """Response of x to u, (z I - A)⁻¹ B at each z = e^{jωΔt} (P, H, states, n)."""
+        identity = np.eye(self.A.shape[-1])
+        return np.linalg.solve(z[:, None, None] * identity - self.A[:, None], self.B[:, None] + 0j)
+
+
+def along(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    q: np.ndarray,
+    *,
+    stiffness: np.ndarray,
+    q_c: np.ndarray,
+) -> SampledLoop:
+    """The loop at poses of a motion.
+
+    Args:
+        experiment: gives α, α₀, Γ_k, Γ_qe, the time step and the integrator.
+        robot: the arm.
+        gains: its feedback and the form of (8).
+        q: joint angles at the poses (P, n) [rad].
+        stiffness: of the springs (n,) [N m/rad].
+        q_c: centre of the regressor of (6) (n,) [rad].
+
+    Note:
+        Gravity, Coriolis torque, friction other than viscous, the motors' limits and the bounds of
+        the springs are left out. None of them matters far above the motion's own frequencies.
+    """
+    law, dt, n = experiment.law, experiment.simulation.timestep, robot.n
+    kinematics = Kinematics(robot)
+    M = np.array([kinematics.inertia(pose) for pose in q])
+    J = np.array([kinematics.jacobian(pose) for pose in q])
+    C = error_signal(robot, gains.jacobian, J, law.alpha, law.alpha_0)
+    Jt = J.swapaxes(-1, -2)
+    F = (
+        np.concatenate([Jt @ (gains.k_p[:, None] * J), Jt @ (gains.k_v[:, None] * J)], axis=-1)
+        + gains.feedback @ C
+    )
+    D = np.diag(robot.model.dof_damping[robot.dof_address])
+    integrate = _RK4 if experiment.simulation.integrator == "RK4" else _semi_implicit
+    A, B = integrate(M, D, np.diag(stiffness), dt)
+    A = A - B @ F
+    rate = np.asarray(law.gamma_k) * (q - q_c) ** 2 + np.asarray(law.gamma_qe)
+    if rate.any():
+        # σ acts as u does, and follows y by explicit Euler.
+        kept = np.broadcast_to(np.eye(n), (len(q), n, n))
+        A = np.concatenate(
+            [
+                np.concatenate([A, B], axis=-1),
+                np.concatenate([-dt * rate[..., None] * C, kept], axis=-1),
+            ],
+            axis=-2,
+        )
+        none = np.zeros((len(q), n, n))
+        B = np.concatenate([B, none], axis=-2)
+        C, F = (np.concatenate([part, none], axis=-1) for part in (C, F))
+    return SampledLoop(A, B, C, F)
+
+
+def error_signal(
+    robot: Robot, jacobian: str, J: np.ndarray, alpha: float, alpha_0: float
+) -> np.ndarray:
+    """C of y = C (Δq, Δq̇), (8) where Δx = J Δq is small, at each Jacobian (P, n, 2n)."""
+    n, m = robot.n, robot.m
+    Jt = J.swapaxes(-1, -2)
+    if jacobian == "transpose":
+        rate = Jt @ J
+        return np.concatenate([alpha * rate, rate], axis=-1)
+    rate = np.broadcast_to(np.eye(n), (len(J), n, n))
+    if jacobian == "inverse":
+        return np.concatenate([alpha * rate, rate], axis=-1)
+    # As in `equations.error_damped`: J⁺J, damped near singular poses.
+    JJt = J @ Jt
+    scale = np.trace(JJt, axis1=-2, axis2=-1) / m
+    manipulability = np.sqrt(np.maximum(np.linalg.det(JJt), 0.0))
+    lack = np.maximum(1 - manipulability / (0.1 * robot.usual), 0.0) if robot.usual else 0 * scale
+    damping = (1e-10 + 1e-2 * lack**2) * scale
+    task = Jt @ np.linalg.solve(JJt + damping[:, None, None] * np.eye(m), J)
+    return np.concatenate([alpha_0 * rate + (alpha - alpha_0) * task, rate], axis=-1)
+
+
+def _semi_implicit(
+    M: np.ndarray, D: np.ndarray, K: np.ndarray, dt: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Euler and implicitfast: q̇ with the damping of the end of the step, then q with this q̇."""
+    n = M.shape[-1]
+    identity = np.broadcast_to(np.eye(n), M.shape)
+    push = dt * np.linalg.inv(M + dt * D)
+    A_v = np.concatenate([-push @ K, identity - push @ D], axis=-1)
+    stay = np.concatenate([identity, 0 * M], axis=-1)
+    A = np.concatenate([stay + dt * A_v, A_v], axis=-2)
+    return A, np.concatenate([dt * push, push], axis=-2)
+
+
+def _RK4(  # noqa: N802
+    M: np.ndarray, D: np.ndarray, K: np.ndarray, dt: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Runge-Kutta of fourth order: the first terms of e^{AΔt} and of its integral."""
+    n = M.shape[-1]
+    inverse = np.linalg.inv(M)
+    rest = np.concatenate([0 * M, np.broadcast_to(np.eye(n), M.shape)], axis=-1)
+    step = dt * np.concatenate(
+        [rest, np.concatenate([-inverse @ K, -inverse @ D], axis=-1)], axis=-2
+    )
+    push = dt * np.concatenate([0 * M, inverse], axis=-2)
+    A = term = np.broadcast_to(np.eye(2 * n), step.shape)
+    whole = np.zeros_like(step)
+    for order in range(1, 5):
+        whole = whole + term / order
+        term = term @ step / order
+        A = A + term
+    return A, whole @ push

@@ -1,0 +1,1 @@
+"""Runs as figures, as a film, as a page, and in MuJoCo's window."""

@@ -1,0 +1,160 @@
+"""The figures that can be drawn of runs: what each shows, what it needs, and how to draw it.
+
+Nothing is imported to draw with until a figure is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from ...errors import PictureError
+from .sizes import PAGE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ...results.run import Run
+
+SAMPLES, CYCLE, RECORDED_CYCLE = "samples in time", "a whole cycle", "a whole cycle with samples"
+"""What a run may be needed to have."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A figure of the catalogue.
+
+    Attributes:
+        name: how it is asked for: its module in this package, and the value of `--figure`.
+        title: what it is, in a few words.
+        caption: what is shown and how to read it.
+        needs: what each run must have: `SAMPLES`, `CYCLE` or `RECORDED_CYCLE`.
+        several: whether it draws several runs in one figure; if not, it draws one.
+        file: stem of the files that it is saved as; `name` if empty.
+    """
+
+    name: str
+    title: str
+    caption: str
+    needs: str
+    several: bool = False
+    file: str = ""
+
+    @property
+    def stem(self) -> str:
+        """Name of the files that it is saved as, without their suffix."""
+        return self.file or self.name
+
+    def lacks(self, runs: Sequence[Run]) -> str:
+        """Why it cannot be drawn of some runs, in words; empty if it can."""
+        if self.several and len(runs) < 2:
+            return f"shows several runs, and {len(runs)} was given"
+        if not self.several and len(runs) != 1:
+            return f"shows one run, and {len(runs)} were given"
+        for run in runs:
+            if not _has(run, self.needs):
+                return f"needs {self.needs}, and the run {run.experiment.name} has none"
+        return ""
+
+    def draw(self, runs: Sequence[Run], width: float = PAGE) -> Figure:
+        """Draw it.
+
+        Args:
+            runs: one run, or several where the figure shows several.
+            width: of the figure [in].
+
+        Returns:
+            The figure, `width` wide and as high as it must be.
+
+        Raises:
+            PictureError: it cannot be drawn of these runs.
+        """
+        lacks = self.lacks(runs)
+        if lacks:
+            raise PictureError(f"figure {self.name}: {lacks}")
+        drawn: Figure = import_module(f".{self.name}", __package__).draw(runs, width)
+        return drawn
+
+
+FIGURES = (
+    Entry(
+        name="overview",
+        title="Motion, springs and motor torque over time",
+        caption="The layout of the paper's Fig. 4: tool position with its reference, stiffness and "
+        "offset torque with their optimum, motor torque with the optimum's, and torque² per cycle. "
+        "Grey bands leave out cycles in which little happens.",
+        needs=SAMPLES,
+        file="figure",
+    ),
+    Entry(
+        name="cycles",
+        title="Torque² and tracking per cycle",
+        caption="Mean of τᵀτ over each cycle between that without springs and that of the optimal "
+        "constant springs, on a logarithmic scale, and the root mean square of the tracking error. "
+        "Vertical lines mark changes of motion, grey bands the passage into one; a diamond marks "
+        "the cycle from which torque² stays within 5 % of the optimum's.",
+        needs=CYCLE,
+    ),
+    Entry(
+        name="springs",
+        title="Torque over joint angle: what the springs took from the motors",
+        caption="Last recorded cycle of each motion. The loop is the torque that the motion needs, "
+        "spring and motor together; the line is the spring's share, k and the equilibrium angle qₑ "
+        "those of the line fitted to it, and the rest is left to the motor. Brief jumps of torque "
+        "may leave a panel.",
+        needs=RECORDED_CYCLE,
+    ),
+    Entry(
+        name="path",
+        title="Path of the tool",
+        caption="Desired path and where the tool went in the first cycle after the passage into "
+        "the motion and in the last recorded one, in the plane of the motion; beside it how far "
+        "the tool was from where it should be, and its rotation vector, over the cycle.",
+        needs=RECORDED_CYCLE,
+    ),
+    Entry(
+        name="convergence",
+        title="Convergence of several runs",
+        caption="Mean of τᵀτ over each cycle as a multiple of that of each run's own optimum, and "
+        "the root mean square of the tracking error. The band is within 5 % of the optimum; a "
+        "cross marks where a run diverged.",
+        needs=CYCLE,
+        several=True,
+    ),
+)
+"""In the order in which they are shown."""
+
+
+def fitting(runs: Sequence[Run]) -> list[Entry]:
+    """The figures that can be drawn of some runs, in order.
+
+    Args:
+        runs: one run, or several that are compared.
+    """
+    return [entry for entry in FIGURES if not entry.lacks(runs)]
+
+
+def named(name: str) -> Entry:
+    """The figure of a name.
+
+    Raises:
+        PictureError: there is none.
+    """
+    for entry in FIGURES:
+        if entry.name == name:
+            return entry
+    names = ", ".join(entry.name for entry in FIGURES)
+    raise PictureError(f"figure {name!r} is unknown; there are {names}")
+
+
+def _has(run: Run, needs: str) -> bool:
+    if needs == CYCLE:
+        return bool(run.data.sizes.get("cycle", 0))
+    if not run.data.sizes.get("time", 0) or "q" not in run.data:
+        return False
+    if needs == SAMPLES:
+        return True
+    # A run that diverged ends within a cycle.
+    return bool((run.data["cycle_of_sample"] <= run.data.sizes["cycle"]).any())

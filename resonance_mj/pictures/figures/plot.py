@@ -1,0 +1,57 @@
+"""Draw figures of runs and write them: what `resonance-mj plot` does."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...errors import PictureError
+from ...files import writable
+from ...results.run import Run
+from . import catalogue
+from .sizes import DPI, FORMATS, fine, inches, kinds
+
+
+def plot(
+    runs: Run | Sequence[Run],
+    folder: str | os.PathLike[str],
+    *,
+    figures: Sequence[str] | None = None,
+    formats: Sequence[str] = FORMATS,
+    width: str | float = "page",
+    dpi: float = DPI,
+) -> list[Path]:
+    """Draw figures of a run, or several runs in one figure, and write them as files.
+
+    Nothing is written unless all can be drawn.
+
+    Args:
+        runs: one run, or several that are compared.
+        folder: where to write; made if needed.
+        figures: names from the catalogue: overview, cycles, springs, path of one run, convergence
+            of several; all that can be drawn of these runs if None.
+        formats: any of svg, png and pdf.
+        width: column (3.5 in), page (7.16 in), or inches.
+        dpi: pixels per inch of a PNG.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        PictureError: a figure, format, width or resolution is not valid, or a run lacks what a
+            figure shows.
+        OutputError: the folder cannot be written.
+    """
+    from .saving import save
+
+    several = [runs] if isinstance(runs, Run) else list(runs)
+    wide, formats, dpi = inches(width), kinds(formats), fine(dpi)
+    names = list(dict.fromkeys(figures or []))
+    chosen = [catalogue.named(name) for name in names] or catalogue.fitting(several)
+    if not chosen:
+        reasons = "; ".join(f"{one.name} {one.lacks(several)}" for one in catalogue.FIGURES)
+        raise PictureError(f"no figure can be drawn: {reasons}")
+    drawn = [(entry.stem, entry.draw(several, wide)) for entry in chosen]
+    folder = writable(folder)
+    return [path for stem, each in drawn for path in save(each, folder, stem, formats, dpi)]

@@ -1,0 +1,89 @@
+"""The process that draws frames: `python -m resonance_mj.pictures.film.filming`, MUJOCO_GL set.
+
+It reads a pickled `Job` from its standard input, says in one line that it is ready or what is
+wrong, and writes its frames as raw pixels to its standard output.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import ResonanceError
+from .look import Look
+from .shot import Scale, Shot
+from .strip import Strip
+
+READY, WRONG, NO_OPENGL = "ready", "wrong", "no OpenGL"
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a process draws.
+
+    Attributes:
+        shots: the runs side by side.
+        strips: the plots below each; None for none.
+        look: how the video looks.
+        scales: what the overlays' full thickness, colour and length stand for.
+        frames: numbers of the frames to draw, in order.
+    """
+
+    shots: tuple[Shot, ...]
+    strips: tuple[Strip | None, ...]
+    look: Look
+    scales: tuple[Scale, ...]
+    frames: range
+
+
+def main() -> None:
+    """Draw what standard input asks for."""
+    # An interrupt is for the process that started this one; it closes the pipes.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    output = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    try:
+        from .scene import Scene
+
+        job: Job = pickle.load(sys.stdin.buffer)
+        columns = job.look.columns(len(job.shots))
+        scenes = [
+            Scene(shot, job.look, scale, strip, right - left)
+            for shot, scale, strip, (left, right) in zip(
+                job.shots, job.scales, job.strips, columns, strict=True
+            )
+        ]
+    except ResonanceError as error:
+        _say(output, f"{WRONG}: {error}")
+        return
+    except Exception as error:
+        _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")
+        return
+    _say(output, READY)
+    picture = np.full((job.look.size[1], job.look.size[0], job.look.channels), 128, np.uint8)
+    try:
+        for frame in job.frames:
+            for scene, (left, right) in zip(scenes, columns, strict=True):
+                scene.draw(picture[:, left:right], frame)
+            _write(output, picture.data.cast("B"))
+    except BrokenPipeError:
+        return
+
+
+def _say(output: object, line: str) -> None:
+    _write(output, memoryview((" ".join(line.split()) + "\n").encode()))
+
+
+def _write(output: object, pixels: memoryview) -> None:
+    written = 0
+    while written < len(pixels):
+        written += os.write(output.fileno(), pixels[written:])  # type: ignore[attr-defined]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+"""How a video looks: size, camera, background and what is drawn into it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...errors import PictureError
+
+GAP = 4
+"""Columns between runs side by side [pixels]."""
+BACKGROUNDS = ("sky", "white", "dark", "transparent")
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a video looks.
+
+    Attributes:
+        size: width and height of the picture [pixels].
+        camera: a camera's name in the model, "azimuth,elevation,distance" [degrees, degrees, m],
+            or None for one that frames the motion.
+        follow: whether the camera goes with the tool.
+        background: one of `BACKGROUNDS`.
+        path: draw the desired path.
+        trail: draw where the tool was in the last half cycle.
+        springs: draw the joints' springs and equilibria.
+        motors: draw the motors' torque.
+        strip: draw torque² and stiffness below the scene.
+        head_up: write time, cycle, reduction and tracking error above it.
+        legend: say at its foot what the overlays mean.
+
+    Raises:
+        PictureError: a value is not valid.
+    """
+
+    size: tuple[int, int] = (1280, 720)
+    camera: str | None = None
+    follow: bool = False
+    background: str = "sky"
+    path: bool = True
+    trail: bool = True
+    springs: bool = True
+    motors: bool = True
+    strip: bool = True
+    head_up: bool = True
+    legend: bool = True
+
+    def __post_init__(self) -> None:
+        if self.background not in BACKGROUNDS:
+            raise PictureError(
+                f"background {self.background!r} is unknown; there are {', '.join(BACKGROUNDS)}"
+            )
+        if not all(160 <= pixels <= 8192 for pixels in self.size):
+            raise PictureError(
+                f"size {self.size[0]}x{self.size[1]}: width and height must be between 160 and 8192"
+            )
+        if self.follow and self.camera is not None and self.view is None:
+            raise PictureError(f"camera {self.camera!r} of the model cannot follow the tool")
+
+    @property
+    def channels(self) -> int:
+        """Of a picture: 3 for RGB, 4 with alpha."""
+        return 4 if self.background == "transparent" else 3
+
+    @property
+    def dark(self) -> bool:
+        """Whether what is drawn must be light."""
+        return self.background == "dark"
+
+    @property
+    def ink(self) -> str:
+        """Colour of text and lines."""
+        return "#F2F2F2" if self.dark else "#1A1A1A"
+
+    @property
+    def paper(self) -> str:
+        """Colour behind the plots."""
+        return "#16181C" if self.dark else "#FFFFFF"
+
+    @property
+    def view(self) -> tuple[float, float, float] | None:
+        """Azimuth and elevation [degrees] and distance [m] of a free camera."""
+        parts = (self.camera or "").split(",")
+        if len(parts) != 3:
+            return None
+        try:
+            azimuth, elevation, distance = (float(part) for part in parts)
+        except ValueError:
+            return None
+        if distance <= 0:
+            raise PictureError(f"camera {self.camera}: the distance must be greater than 0 m")
+        return azimuth, elevation, distance
+
+    @property
+    def strip_height(self) -> int:
+        """Rows of the picture that the strip takes."""
+        return round(0.27 * self.size[1]) // 2 * 2 if self.strip else 0
+
+    def columns(self, runs: int) -> list[tuple[int, int]]:
+        """First and last column, exclusive, of each run's part; there is a gap between them."""
+        width = self.size[0] + GAP
+        return [(i * width // runs, (i + 1) * width // runs - GAP) for i in range(runs)]
+
+
+def rgb(colour: str) -> tuple[float, float, float]:
+    """Red, green and blue from 0 to 1 of a colour such as "#0072B2"."""
+    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    return red, green, blue

@@ -1,0 +1,170 @@
+"""The plots of the strip: torque² per cycle and stiffness over time, drawn once for a video."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from ...results.run import Run
+from ..palette import MEASURED, MUTED, OPTIMAL
+from .look import Look
+from .strip import Strip
+
+
+def strips(runs: tuple[Run, ...], look: Look) -> tuple[Strip | None, ...]:
+    """The strip of each run of a picture; None where the look has none."""
+    if not look.strip:
+        return (None,) * len(runs)
+    columns = look.columns(len(runs))
+    return tuple(
+        draw(run, look, right - left) for run, (left, right) in zip(runs, columns, strict=True)
+    )
+
+
+def draw(run: Run, look: Look, width: int) -> Strip:
+    """The strip of a run, `width` pixels wide and as high as the look has it."""
+    height = look.strip_height
+    size = max(6.0, min(height / 18, width / 68, 15.0))
+    style: Any = {
+        "font.size": size,
+        "axes.titlesize": size,
+        "axes.titlelocation": "left",
+        "axes.titlepad": 0.35 * size,
+        "axes.linewidth": 0.8,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.facecolor": look.paper,
+        "figure.facecolor": look.paper,
+        **dict.fromkeys(
+            ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"),
+            look.ink,
+        ),
+        "xtick.major.pad": 2,
+        "ytick.major.pad": 2,
+        "xtick.major.size": 3,
+        "ytick.major.size": 3,
+    }
+    with matplotlib.rc_context(style):
+        before, panels = _plots(run, look, (width, height), size, 1.0)
+        after, _ = _plots(run, look, (width, height), size, 0.22)
+    end = float(run.data["end"].values[-1])
+    ink = np.array([int(look.ink[i : i + 2], 16) for i in (1, 3, 5)], np.uint8)
+    return Strip(before, after, panels, (0.0, end), ink)
+
+
+def _plots(
+    run: Run, look: Look, pixels: tuple[int, int], size: float, strength: float
+) -> tuple[np.ndarray, tuple[tuple[int, int, int, int], ...]]:
+    width, height = pixels
+    figure = Figure(figsize=(width / 72, height / 72), dpi=72)
+    canvas = FigureCanvasAgg(figure)
+    joints = run.data.sizes["joint"]
+    columns = joints if joints <= 3 else -(-joints // 2)
+    rows = -(-joints // columns)
+    gap, line = 3.6 * size / width, 1.5 * size / height
+    share = 0.4 if columns <= 2 else 0.3
+    right = 1 - 0.8 * size / width
+    axes = [figure.add_axes((gap, 1.9 * line, share - gap - 0.02, 1 - 3.1 * line))]
+    each = (right - share) / columns
+    tall = (1 - 0.9 * line) / rows
+    for j in range(joints):
+        row, column = divmod(j, columns)
+        bottom = 1 - 0.0 * line - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
+        axes.append(
+            figure.add_axes((share + column * each + gap, bottom, each - gap, tall - 2.15 * line))
+        )
+    _torque_squared(axes[0], run, strength, roomy=(share - gap) * width > 26 * size)
+    for j, ax in enumerate(axes[1:]):
+        _stiffness(ax, run, j, strength)
+        if j < joints - columns:
+            ax.set_xticklabels([])
+    canvas.draw()
+    picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    boxes = [ax.get_window_extent() for ax in axes]
+    panels = tuple(
+        (round(height - b.y1), round(height - b.y0), round(b.x0) + 1, round(b.x1)) for b in boxes
+    )
+    return picture, panels
+
+
+def _torque_squared(ax: Axes, run: Run, strength: float, roomy: bool) -> None:
+    data = run.data
+    ends, begin = [], 0.0
+    for motion in run.experiment.motion:
+        ends.append(begin + motion.period * np.arange(1, motion.cycles + 1))
+        begin += motion.duration
+    time = np.concatenate(ends)[: data.sizes["cycle"]]
+    squared = data["torque_squared"].values
+    starts, stops = data["start"].values, data["end"].values
+    ax.hlines(
+        data["torque_squared_without_springs"].values, starts, stops, color=MUTED, linestyle=":"
+    )
+    ax.hlines(data["torque_squared_optimal"].values, starts, stops, color=OPTIMAL, linestyle="--")
+    ax.plot(time, squared, color=MEASURED, linewidth=2, alpha=strength, marker="o", markersize=3)
+    ax.set_yscale("log")
+    ax.set_title("motor torque² [N² m²]")
+    if roomy:
+        _beside_title(ax, {"optimum": OPTIMAL, "no springs": MUTED})
+    ax.yaxis.set_major_locator(LogLocator(numticks=5))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.yaxis.set_minor_locator(NullLocator())
+    _time_axis(ax, float(stops[-1]))
+    ax.set_xlabel("time [s]", labelpad=0)
+
+
+def _stiffness(ax: Axes, run: Run, j: int, strength: float) -> None:
+    data = run.data.isel(joint=j)
+    keep = slice(None, None, max(1, data.sizes["time"] // 1500))
+    ends = data["end"].values
+    ax.hlines(
+        data["stiffness_optimal"].values, data["start"].values, ends, color=OPTIMAL, linestyle="--"
+    )
+    time, k = data["time"].values[keep], data["stiffness"].values[keep]
+    ax.plot(time, k, color=MEASURED, linewidth=2, alpha=strength)
+    unit = "N/m" if int(data["slides"]) else "N m/rad"
+    few = run.data.sizes["joint"] <= 3
+    title = f"k {data['joint'].item()} [{unit}]"
+    if 0.6 * len(title) * float(ax.title.get_fontsize()) > ax.bbox.width:
+        title = title.partition(" [")[0]
+    ax.set_title(title)
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
+    _ordinate(ax, run, j)
+    _time_axis(ax, float(ends[-1]))
+
+
+def _ordinate(ax: Axes, run: Run, j: int) -> None:
+    """Limits from the bulk of the values; next to nothing is not blown up."""
+    alike = run.data["slides"].values == run.data["slides"].values[j]
+    stiffness, best = run.data["stiffness"].values, run.data["stiffness_optimal"].values
+    low, high = np.quantile(stiffness[:, j], [0.005, 0.995])
+    low, high = min(low, best[:, j].min(), 0.0), max(high, best[:, j].max(), 0.0)
+    least = 0.01 * max(np.quantile(np.abs(stiffness[:, alike]), 0.98), np.abs(best[:, alike]).max())
+    high = max(high, low + least, low + 1e-9)
+    margin = 0.08 * (high - low)
+    ax.set_ylim(low - margin, high + margin)
+
+
+def _beside_title(ax: Axes, entries: dict[str, str]) -> None:
+    """What the lines are, in their colours, at the right of the title."""
+    for index, (text, colour) in enumerate(reversed(entries.items())):
+        ax.annotate(
+            ("- - " if colour == OPTIMAL else "··· ") + text,
+            (1.0, 1.0),
+            xytext=(-8.2 * index, 0.35),
+            xycoords="axes fraction",
+            textcoords="offset fontsize",
+            ha="right",
+            va="bottom",
+            color=colour,
+        )
+
+
+def _time_axis(ax: Axes, end: float) -> None:
+    ax.set_xlim(0, end)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=4, integer=end >= 4))

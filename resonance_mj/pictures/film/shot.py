@@ -1,0 +1,250 @@
+"""What of a run is filmed: the samples of a span of time, and which of them each frame shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...errors import PictureError
+from ...experiments.sections import Robot
+
+if TYPE_CHECKING:
+    from ...results.run import Run
+
+SLACK = 1e-6
+"""Share of a sample's distance by which a time may miss the ends of a span."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A span of a run as plain arrays: what the processes that draw it are sent.
+
+    Attributes:
+        label: what the picture calls the run.
+        robot: which arm, as in the experiment.
+        joints: names of the joints (n).
+        slides: 1 for each slide joint (n,).
+        axes: which of x, y, z `x_desired` has (m).
+        sample: index of each frame's sample (F,).
+        time: of each sample (N,) [s].
+        cycle: number of each sample's cycle, from 1 (N,).
+        first: index of the first sample of each sample's cycle (N,).
+        period: samples in a whole cycle at each sample (N,).
+        q: joint angles (N, n) [rad].
+        x_desired: desired position of the tool (N, m) [m].
+        error: distance between the tool and its desired position (N,) [m].
+        stiffness: k (N, n) [N m/rad].
+        equilibrium: q_e (N, n) [rad].
+        spring: torque of the springs (N, n) [N m].
+        tau: torque of the motors (N, n) [N m].
+        reduction: torque² less than without springs in the last whole cycle, as a share; NaN
+            before there is one (N,).
+        best: the same with optimal springs (N,).
+    """
+
+    label: str
+    robot: Robot
+    joints: tuple[str, ...]
+    slides: np.ndarray
+    axes: tuple[int, ...]
+    sample: np.ndarray
+    time: np.ndarray
+    cycle: np.ndarray
+    first: np.ndarray
+    period: np.ndarray
+    q: np.ndarray
+    x_desired: np.ndarray
+    error: np.ndarray
+    stiffness: np.ndarray
+    equilibrium: np.ndarray
+    spring: np.ndarray
+    tau: np.ndarray
+    reduction: np.ndarray
+    best: np.ndarray
+
+
+class Scale(NamedTuple):
+    """What full thickness, colour and length of the overlays stand for, joint by joint (n,)."""
+
+    stiffness: np.ndarray
+    """[N m/rad]"""
+    spring: np.ndarray
+    """[N m]"""
+    tau: np.ndarray
+    """[N m]"""
+
+
+def scale(taken: Sequence[Shot]) -> Scale:
+    """Each joint's greatest stiffness and torques in shots; a rare peak does not count."""
+    return Scale(
+        *(
+            np.max([np.quantile(np.abs(getattr(s, name)), 0.98, axis=0) for s in taken], axis=0)
+            + 1e-9
+            for name in Scale._fields
+        )
+    )
+
+
+def scales(taken: Sequence[Shot]) -> tuple[Scale, ...]:
+    """The scale of each run of a picture: one for all if they have the same joints."""
+    if len({one.joints for one in taken}) == 1:
+        return (scale(taken),) * len(taken)
+    return tuple(scale([one]) for one in taken)
+
+
+def common_span(
+    runs: Sequence[Run], start: float | str | None, stop: float | str | None
+) -> tuple[float, float]:
+    """First and last time [s] that `span` finds in every run."""
+    spans = [span(run, start, stop) for run in runs]
+    return max(low for low, _ in spans), min(high for _, high in spans)
+
+
+def span(run: Run, start: float | str | None, stop: float | str | None) -> tuple[float, float]:
+    """A span of a run [s].
+
+    Args:
+        run: with samples.
+        start: seconds, or a cycle as in "8c", which begins with the 8th; the run's start if None.
+        stop: seconds, or a cycle as in "10c", with whose end it ends; the run's end if None.
+
+    Raises:
+        PictureError: it is no span, or not in the run.
+    """
+    ends = _cycle_ends(run)
+    time = run.data["time"].values
+    if not len(time):
+        raise PictureError(f"{run.experiment.name}: the run has no samples to show")
+    last = float(time[-1]) + run.experiment.simulation.timestep
+    low = 0.0 if start is None else _seconds(start, ends, run, 1)
+    high = last if stop is None else _seconds(stop, ends, run, 0)
+    name = run.experiment.name
+    slack = SLACK * run.experiment.simulation.timestep
+    if not (-slack <= low and high <= last + slack):
+        raise PictureError(
+            f"{name}: from {low:g} s to {high:g} s is not within the run, which lasts from 0 to "
+            f"{last:g} s (cycles 1c to {len(ends)}c)"
+        )
+    if high <= low:
+        raise PictureError(f"{name}: the span from {low:g} s to {high:g} s is empty")
+    return low, high
+
+
+def times(runs: tuple[Run, ...], low: float, high: float, step: float, given: bool) -> np.ndarray:
+    """Times of the frames [s]: a frame each `step` seconds.
+
+    Args:
+        runs: what is shown; all of them have samples at the times returned.
+        low: start of the span [s].
+        high: its end [s].
+        step: seconds of the run between frames.
+        given: whether the span was asked for. Then every frame must have samples; if not, the
+            frames in cycles that were not kept are left out.
+
+    Raises:
+        PictureError: there are no samples for some of what was asked for.
+    """
+    wanted = low + step * np.arange(max(1, round((high - low) / step)))
+    for run in runs:
+        there = _kept(run, wanted)
+        if given and not there.all():
+            raise PictureError(
+                f"{run.experiment.name}: no samples were kept at {wanted[~there][0]:g} s; the run "
+                f"is thinned (simulation.samples = {run.experiment.simulation.samples}), and whole "
+                f"are the cycles {_listed(np.unique(run.data['cycle_of_sample'].values))}"
+            )
+        wanted = wanted[there]
+    if not len(wanted):
+        raise PictureError("the runs have no kept cycle in common")
+    return wanted
+
+
+def shot(run: Run, wanted: np.ndarray, label: str) -> Shot:
+    """What is filmed of a run.
+
+    Args:
+        run: the run.
+        wanted: times of the frames (F,) [s], as from `times`.
+        label: what the picture calls it.
+    """
+    data = run.data
+    longest = float(data["period"].max())
+    after, before = wanted[0] - longest, wanted[-1] + longest
+    inside = np.flatnonzero((data["time"].values >= after) & (data["time"].values <= before))
+    part = data.isel(time=slice(int(inside[0]), int(inside[-1]) + 1))
+    time, cycle = part["time"].values, part["cycle_of_sample"].values
+    position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
+    miss = (part["x"] - part["x_desired"]).values[:, position]
+    segment = np.searchsorted(data["end"].values, time, side="right")
+    segment = np.minimum(segment, data.sizes["segment"] - 1)
+    without = data["torque_squared_without_springs"].values
+    squared = np.concatenate([[np.nan], data["torque_squared"].values])
+    done = np.clip(cycle - 1, 0, len(squared) - 1)
+    of_done = np.concatenate([[1], data["segment_of_cycle"].values])[done] - 1
+    dt = run.experiment.simulation.timestep
+    return Shot(
+        label=label,
+        robot=run.experiment.robot,
+        joints=tuple(str(name) for name in data["joint"].values),
+        slides=data["slides"].values,
+        axes=tuple("xyz".index(str(data["axis"].values[i])) for i in position),
+        sample=np.searchsorted(time, wanted + SLACK * dt, side="right") - 1,
+        time=time,
+        cycle=cycle,
+        first=np.searchsorted(cycle, cycle),
+        period=np.round(data["period"].values[segment] / dt).astype(int),
+        q=part["q"].values,
+        x_desired=part["x_desired"].values[:, position],
+        error=np.sqrt((miss**2).sum(axis=1)),
+        stiffness=part["stiffness"].values,
+        equilibrium=part["equilibrium"].values,
+        spring=(part["offset"] - part["stiffness"] * (part["q"] - part["center"])).values,
+        tau=part["tau"].values,
+        reduction=1 - squared[done] / without[of_done],
+        best=1 - data["torque_squared_optimal"].values[segment] / without[segment],
+    )
+
+
+def _cycle_ends(run: Run) -> np.ndarray:
+    """When each cycle of the experiment ends [s]."""
+    parts, begin = [], 0.0
+    for motion in run.experiment.motion:
+        parts.append(begin + motion.period * np.arange(1, motion.cycles + 1))
+        begin += motion.duration
+    return np.concatenate(parts)
+
+
+def _seconds(value: float | str, ends: np.ndarray, run: Run, back: int) -> float:
+    """A time of the run [s]; of a cycle, its end, or that of so many before it."""
+    try:
+        if isinstance(value, str) and value.endswith("c"):
+            number = int(value[:-1])
+            if not 1 <= number <= len(ends):
+                raise PictureError(
+                    f"{run.experiment.name}: there is no cycle {number}: the run's cycles are 1c "
+                    f"to {len(ends)}c"
+                )
+            return float(np.concatenate([[0.0], ends])[number - back])
+        seconds = float(value)
+        if np.isfinite(seconds):
+            return seconds
+    except ValueError:
+        pass
+    raise PictureError(f"{value!r} is no time: give seconds, such as 8, or a cycle, such as 8c")
+
+
+def _kept(run: Run, wanted: np.ndarray) -> np.ndarray:
+    """At which of some times the run has a sample."""
+    time, dt = run.data["time"].values, run.experiment.simulation.timestep
+    at = np.searchsorted(time, wanted + SLACK * dt, side="right") - 1
+    return (at >= 0) & (wanted - time[at] < (1 - SLACK) * dt)
+
+
+def _listed(cycles: np.ndarray) -> str:
+    """Numbers as ranges, at most a dozen of them."""
+    groups = np.split(cycles, np.flatnonzero(np.diff(cycles) > 1) + 1)
+    words = [f"{g[0]}" if len(g) == 1 else f"{g[0]}-{g[-1]}" for g in groups]
+    return ", ".join(words[:12]) + (f", ... {words[-1]}" if len(words) > 12 else "")

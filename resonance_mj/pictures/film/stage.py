@@ -1,0 +1,160 @@
+"""The model as it is filmed: a copy with light, a floor, room for the picture and for overlays."""
+
+from __future__ import annotations
+
+import itertools
+
+import mujoco
+import numpy as np
+
+from ...robots import mjcf
+from ...robots.compiling import compile_spec
+from . import tubes
+from .look import Look, rgb
+from .shot import Shot
+
+FLAT = {"white": (1.0, 1.0, 1.0), "transparent": (1.0, 1.0, 1.0), "dark": (0.086, 0.094, 0.11)}
+"""Backgrounds of one colour; they have no floor."""
+HORIZON, ZENITH = (0.93, 0.95, 0.97), (0.75, 0.80, 0.86)
+PREFIX = "resonance_mj_"
+"""Begins the name of everything that is added."""
+
+_GEOM, _TEXTURE = mujoco.mjtGeom, mujoco.mjtTexture
+
+
+def prepare(
+    shot: Shot, look: Look, overlays: dict[str, int], size: tuple[int, int]
+) -> tuple[mujoco.MjModel, str]:
+    """Compile a copy of the shot's arm for pictures; the file is not changed.
+
+    Args:
+        shot: which arm, in which poses.
+        look: background.
+        overlays: rings of each overlay's tube by its name: they become skins.
+        size: width and height that are rendered [pixels].
+
+    Returns:
+        The model, and the name of the tool's site.
+
+    Raises:
+        RobotError: the file is missing or MuJoCo rejects it.
+    """
+    given = shot.robot
+    path = mjcf.find(given.mjcf)
+    arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
+    spec = arm.spec
+    model = compile_spec(spec, path)
+    if model.nlight == 0:
+        _add_light(spec, model.stat)
+    floors = [geom for geom in spec.geoms if geom.type == _GEOM.mjGEOM_PLANE]
+    if look.background in FLAT:
+        for geom in floors:
+            geom.material, geom.rgba = "", [0, 0, 0, 0]
+    elif not floors:
+        _add_floor(spec, lowest(model, shot))
+    _set_sky(spec, look.background)
+    # Overlays glow a little: their colours mean something, in the shadow as well.
+    spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
+    for name, rings in overlays.items():
+        _add_tube(spec, PREFIX + name, rings)
+    # Each process that draws has the buffer in memory, several times: it is no larger than needed.
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = size
+    return compile_spec(spec, path), arm.tool
+
+
+def lowest(model: mujoco.MjModel, shot: Shot) -> float:
+    """Height of the lowest point of the model's geoms in the poses of a shot [m]; at most 0."""
+    data = mujoco.MjData(model)
+    address = [model.jnt_qposadr[model.joint(name).id] for name in shot.joints]
+    found = 0.0
+    for q in shot.q[shot.sample[:: max(1, len(shot.sample) // 20)]]:
+        data.qpos[address] = q
+        mujoco.mj_kinematics(model, data)
+        rotation = data.geom_xmat.reshape(-1, 3, 3)
+        middle = data.geom_xpos + np.einsum("gij,gj->gi", rotation, model.geom_aabb[:, :3])
+        reach = (np.abs(rotation[:, 2]) * model.geom_aabb[:, 3:]).sum(axis=1)
+        found = min(found, float((middle[:, 2] - reach).min(initial=0.0)))
+    return found
+
+
+def corners(model: mujoco.MjModel, data: mujoco.MjData, geoms: np.ndarray) -> np.ndarray:
+    """Corners of the boxes around some geoms, by their ids (g,), in the world (8 g, 3) [m]."""
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    within = model.geom_aabb[geoms, None, :3] + signs * model.geom_aabb[geoms, None, 3:]
+    rotation = data.geom_xmat[geoms].reshape(-1, 3, 3)
+    found = data.geom_xpos[geoms, None] + np.einsum("gij,gcj->gci", rotation, within)
+    return np.asarray(found.reshape(-1, 3))
+
+
+def colour(text: str) -> np.ndarray:
+    """A colour such as "#0072B2" as MuJoCo has it (4,)."""
+    return np.array([*rgb(text), 1.0], np.float32)
+
+
+def _add_light(spec: mujoco.MjSpec, about: mujoco.MjStatistic) -> None:
+    """A lamp from above and the front, and enough light in its shadow."""
+    towards = np.array([0.35, 0.6, -0.9])
+    spec.worldbody.add_light(
+        name=f"{PREFIX}light",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        # As near as the arm is wide, and shadows as far as they fall: else the floor is speckled.
+        pos=about.center - 2 * about.extent * towards,
+        dir=towards,
+        diffuse=[0.7, 0.7, 0.7],
+        castshadow=True,
+    )
+    spec.visual.map.shadowclip = max(spec.visual.map.shadowclip, 2.0)
+    headlight = spec.visual.headlight
+    headlight.active = 1
+    headlight.ambient, headlight.diffuse = [0.35, 0.35, 0.35], [0.35, 0.35, 0.35]
+    headlight.specular = [0, 0, 0]
+
+
+def _add_floor(spec: mujoco.MjSpec, height: float) -> None:
+    texture = spec.add_texture(name=f"{PREFIX}floor", type=_TEXTURE.mjTEXTURE_2D)
+    texture.builtin = mujoco.mjtBuiltin.mjBUILTIN_CHECKER
+    texture.rgb1, texture.rgb2 = (0.80, 0.82, 0.84), (0.74, 0.76, 0.79)
+    texture.width = texture.height = 256
+    material = spec.add_material(name=f"{PREFIX}floor", texrepeat=[4, 4], texuniform=True)
+    textures = list(material.textures)
+    textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = f"{PREFIX}floor"
+    material.textures = textures
+    spec.worldbody.add_geom(
+        name=f"{PREFIX}floor",
+        type=_GEOM.mjGEOM_PLANE,
+        pos=[0, 0, height],
+        size=[0, 0, 0.05],
+        material=f"{PREFIX}floor",
+        contype=0,
+        conaffinity=0,
+    )
+
+
+def _set_sky(spec: mujoco.MjSpec, background: str) -> None:
+    """Make the sky of one colour, or add one to a model that has none."""
+    skies = [texture for texture in spec.textures if texture.type == _TEXTURE.mjTEXTURE_SKYBOX]
+    if background not in FLAT and skies:
+        return
+    for texture in skies:
+        spec.delete(texture)
+    sky = spec.add_texture(name=f"{PREFIX}sky", type=_TEXTURE.mjTEXTURE_SKYBOX)
+    sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
+    sky.rgb1, sky.rgb2 = (FLAT[background],) * 2 if background in FLAT else (HORIZON, ZENITH)
+    sky.width = sky.height = 64
+
+
+def _add_tube(spec: mujoco.MjSpec, name: str, rings: int) -> None:
+    """A skin of the world: its vertices can be rewritten for each frame."""
+    corners = rings * tubes.SIDES
+    spec.add_skin(
+        name=name,
+        material=f"{PREFIX}overlay",
+        # The compiler rejects vertices that coincide.
+        vert=np.linspace(0.0, 1e-3, 3 * corners).tolist(),
+        face=tubes.faces(rings).ravel().tolist(),
+        bodyname=["world"],
+        bindpos=[0, 0, 0],
+        bindquat=[1, 0, 0, 0],
+        vertid=[list(range(corners))],
+        vertweight=[[1.0] * corners],
+    )

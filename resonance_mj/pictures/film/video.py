@@ -1,0 +1,224 @@
+"""A run becomes a video: processes draw its frames, and they are encoded in order."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import PictureError
+from ...files import could_be_written
+from ...forking import cores
+from ...results.run import Run
+from . import encoding, gl, plots
+from . import shot as shots
+from .filming import READY, WRONG, Job
+from .look import Look
+
+Progress = Callable[[int, int], None]
+
+
+def render(
+    run: Run | Sequence[Run],
+    path: str | os.PathLike[str],
+    start: float | str | None = None,
+    stop: float | str | None = None,
+    fps: float = 30.0,
+    *,
+    speed: float = 1.0,
+    look: Look | None = None,
+    labels: Sequence[str] | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    note: Callable[[str], None] | None = None,
+) -> Path:
+    """Film a run, or two or more side by side and in step.
+
+    Args:
+        run: the run or runs.
+        path: the video: .mp4 (H.264), .webp or .gif.
+        start: where it begins: seconds of the run, or a cycle such as "8c"; the run's start.
+        stop: where it ends: seconds, or a cycle such as "10c" with whose end it ends; the run's.
+        fps: frames per second.
+        speed: seconds of the run per second of video.
+        look: size, camera, background and what is drawn; all has defaults.
+        labels: what the picture calls each run; the experiments' names.
+        workers: processes that draw; one per core.
+        progress: is called with the number of frames done and that of all.
+        note: is called with each line that the user should know.
+
+    Returns:
+        The path of the video.
+
+    Raises:
+        PictureError: the span, the camera, the size or the format is not valid, or there is no
+            OpenGL to draw with.
+        OutputError: the file cannot be written; then there is none.
+        RobotError: the arm's MJCF is missing.
+    """
+    runs = (run,) if isinstance(run, Run) else tuple(run)
+    for name, value in (("fps", fps), ("speed", speed)):
+        if not 0 < value < float("inf"):
+            raise PictureError(f"{name} = {value:g}: it must be greater than 0")
+    low, high = shots.common_span(runs, start, stop)
+    times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
+    return film(
+        runs,
+        path,
+        times,
+        fps,
+        look=look,
+        labels=labels,
+        workers=workers,
+        progress=progress,
+        note=note,
+    )
+
+
+def film(
+    runs: Sequence[Run],
+    path: str | os.PathLike[str],
+    times: np.ndarray,
+    fps: float,
+    *,
+    look: Look | None = None,
+    labels: Sequence[str] | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    note: Callable[[str], None] | None = None,
+) -> Path:
+    """Film runs at given times, which need not follow each other evenly.
+
+    Args:
+        runs: the runs, side by side.
+        path: the video: .mp4 (H.264), .webp or .gif.
+        times: of the frames (F,) [s], ascending; every run has a sample at each, as those from
+            `shot.times`.
+        fps: frames per second.
+        look: as for `render`; so are labels, workers, progress and note.
+        labels: what the picture calls each run.
+        workers: processes that draw.
+        progress: is called with the number of frames done and that of all.
+        note: is called with each line that the user should know.
+
+    Returns:
+        The path of the video.
+
+    Raises:
+        PictureError, OutputError, RobotError: as `render`.
+    """
+    path, look = Path(path), look or Look()
+    if workers is not None and workers < 1:
+        raise PictureError(f"workers = {workers}: there must be at least 1")
+    encoding.check(path, look.background == "transparent")
+    could_be_written(path.parent)
+    if path.suffix.lower() == ".mp4":
+        look = _even(look, note or (lambda line: None))
+    names = tuple(labels or (one.experiment.name for one in runs))
+    taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
+    job = Job(
+        shots=taken,
+        strips=plots.strips(tuple(runs), look),
+        look=look,
+        scales=shots.scales(taken),
+        frames=range(len(times)),
+    )
+    pixels = bytearray(look.channels * look.size[0] * look.size[1])
+    count = min(workers or cores(), len(times))
+    with (
+        _crew(job, count) as crew,
+        encoding.encoder(path, look.size, fps, look.channels) as encode,
+    ):
+        for frame in job.frames:
+            _read(crew[frame % count], memoryview(pixels))
+            encode(memoryview(pixels))
+            if progress:
+                progress(frame + 1, len(times))
+    return path
+
+
+def _even(look: Look, note: Callable[[str], None]) -> Look:
+    """The look in a size that H.264 takes."""
+    width, height = look.size
+    even = (width + width % 2, height + height % 2)
+    if even == look.size:
+        return look
+    note(f"size {width}x{height} is drawn as {even[0]}x{even[1]}: H.264 needs even")
+    return replace(look, size=even)
+
+
+@contextmanager
+def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
+    """Processes that draw every `count`-th frame each, with the first OpenGL that works."""
+    tried: dict[str, str] = {}
+    for backend in gl.backends():
+        crew = [
+            _start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)
+        ]
+        try:
+            answers = [_line(process) for process in crew]
+            if all(answer == READY for answer in answers):
+                yield crew
+                return
+            answer = next(answer for answer in answers if answer != READY)
+            kind, _, reason = answer.partition(": ")
+            if kind == WRONG:
+                raise PictureError(reason)
+            tried[backend or "default"] = reason
+        finally:
+            for process in crew:
+                process.kill()
+                _close(process)
+    raise PictureError(gl.missing(tried))
+
+
+def _close(process: subprocess.Popen[bytes]) -> None:
+    for pipe in (process.stdin, process.stdout):
+        # What was not sent to a process that has ended is not missed.
+        with suppress(BrokenPipeError):
+            pipe.close()  # type: ignore[union-attr]
+    process.wait()
+
+
+def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
+    environment = dict(os.environ)
+    if backend is not None:
+        environment["MUJOCO_GL"] = backend
+    if count > 1:
+        # Software OpenGL has threads of its own: the processes share the cores already.
+        environment.setdefault("LP_NUM_THREADS", "1")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "resonance_mj.pictures.film.filming"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment,
+    )
+    assert process.stdin is not None
+    # A process that has ended already says why.
+    with suppress(BrokenPipeError):
+        pickle.dump(job, process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+        process.stdin.flush()
+    return process
+
+
+def _line(process: subprocess.Popen[bytes]) -> str:
+    assert process.stdout is not None
+    return process.stdout.readline().decode(errors="replace").strip() or "the process ended"
+
+
+def _read(process: subprocess.Popen[bytes], pixels: memoryview) -> None:
+    """Fill `pixels` with the next frame of a process."""
+    assert process.stdout is not None
+    done = 0
+    while done < len(pixels):
+        got = process.stdout.readinto(pixels[done:])  # type: ignore[attr-defined]
+        if not got:
+            raise PictureError(f"a process that draws ended with status {process.wait()}")
+        done += got

@@ -1,0 +1,139 @@
+"""A simulation as shots: what is planned before it, and a cycle that fills up while it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...laws.memory import Memory
+from ...plan.plan import Prepared, desired
+from ...simulation.recording import equilibrium
+from ...springs import spring as springs
+from ..film import shot as shots
+from ..film.shot import Scale, Shot
+
+OF_SAMPLES = (
+    *("time", "cycle", "period", "q", "x_desired", "error", "stiffness", "equilibrium"),
+    *("spring", "tau", "reduction", "best"),
+)
+"""What a shot has of each sample."""
+
+
+def planned(one: Prepared, cycle: int) -> Shot:
+    """A cycle of the run, counted from 0, as it should be: the desired motion, and no torque."""
+    segment = one.schedule[cycle]
+    steps, dt = one.steps(segment), one.experiment.simulation.timestep
+    best = one.optima[segment]
+    axes = tuple("xyz".index(axis) for axis in one.robot.position_axes)
+    none = np.zeros((5, steps, one.robot.n))
+    return Shot(
+        label=one.experiment.name,
+        robot=one.experiment.robot,
+        joints=one.robot.joints,
+        slides=one.robot.slides,
+        axes=axes,
+        sample=np.arange(steps),
+        time=(sum(map(one.steps, one.schedule[:cycle])) + np.arange(steps)) * dt,
+        cycle=np.full(steps, cycle + 1),
+        first=np.zeros(steps, int),
+        period=np.full(steps, steps),
+        q=one.joints[segment].q.copy(),
+        x_desired=desired(one, cycle).x[:, : len(axes)].copy(),
+        error=np.zeros(steps),
+        stiffness=none[0],
+        equilibrium=none[1],
+        spring=none[2],
+        tau=none[3],
+        reduction=np.full(steps, np.nan),
+        best=np.full(steps, best.torque_reduction),
+    )
+
+
+def joined(parts: Sequence[Shot]) -> Shot:
+    """Parts of one arm's run, one after the other."""
+    whole: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in OF_SAMPLES
+    }
+    cycle = whole["cycle"]
+    first = np.searchsorted(cycle, cycle)
+    return replace(parts[-1], sample=np.arange(len(cycle)), first=first, **whole)
+
+
+def whole(one: Prepared) -> Shot:
+    """A cycle of each motion as it should be: all that the run will come past."""
+    return joined([planned(one, one.schedule.index(i)) for i in range(len(one.joints))])
+
+
+def expected(one: Prepared, segment: int) -> Scale:
+    """What the overlays' full thickness, colour and length stand for while nothing is known.
+
+    Args:
+        one: the experiment.
+        segment: which motion: its optimal springs, and the torque without any.
+    """
+    best = one.optima[segment]
+    spring = springs.torque(best.stiffness, best.offset, best.q, best.center)
+    parts = (best.stiffness[None], spring, best.torque_without_springs)
+    return Scale(*(np.abs(part).max(axis=0) + 1e-9 for part in parts))
+
+
+class Film:
+    """What is simulated, taken from the controller's memory.
+
+    Args:
+        prepared: the experiment.
+        memory: of its controller.
+
+    Attributes:
+        shot: the cycle that is being simulated, behind the one before it.
+        sample: the last sample of it that has been simulated.
+        scales: what the overlays' full thickness, colour and length stand for.
+    """
+
+    def __init__(self, prepared: Prepared, memory: Memory) -> None:
+        self._one, self._memory = prepared, memory
+        self.shot, self.scales = planned(prepared, 0), expected(prepared, 0)
+        self.sample = self._begin = self._filled = 0
+
+    def begin(self, cycle: int) -> None:
+        """Go on to a cycle of the run, counted from 0; the one before it has been filled."""
+        if cycle == 0:
+            return
+        coming = planned(self._one, cycle)
+        # Springs that grow stiffer than the optimum's become what the thickest stands for.
+        hoped = expected(self._one, self._one.schedule[cycle])
+        self.scales = Scale(*map(_most, self.scales, hoped, shots.scale([self.shot])))
+        before = self._last()
+        without = self._one.optima[self._one.schedule[cycle - 1]].torque_squared_without_springs
+        coming.reduction[:] = 1 - (before.tau**2).sum(axis=1).mean() / without
+        self.shot = joined([before, coming])
+        self._begin, self._filled = len(before.time), 0
+
+    def fill(self, steps: int) -> None:
+        """Take what was recorded in the first `steps` steps of the cycle."""
+        new = slice(self._filled, steps)
+        at = slice(self._begin + self._filled, self._begin + steps)
+        q, x, tau, k, offset = (
+            self._memory.recorded(name, steps)[0, new]
+            for name in ("q", "x", "tau", "stiffness", "offset")
+        )
+        shot, center = self.shot, self._memory["q_c"][0]
+        shot.q[at], shot.tau[at], shot.stiffness[at] = q, tau, k
+        shot.equilibrium[at] = equilibrium(k, offset, center)
+        shot.spring[at] = springs.torque(k, offset, q, center)
+        miss = x[:, : len(shot.axes)] - shot.x_desired[at]
+        shot.error[at] = np.sqrt((miss**2).sum(axis=1))
+        self._filled = steps
+        self.sample = max(self._begin + steps - 1, 0)
+
+    def _last(self) -> Shot:
+        """The last cycle of the shot."""
+        part: Any = {name: getattr(self.shot, name)[self._begin :] for name in OF_SAMPLES}
+        return replace(self.shot, **part)
+
+
+def _most(*values: np.ndarray) -> np.ndarray:
+    return np.max(values, axis=0)

@@ -1,0 +1,62 @@
+"""A saved run, shown again in its own time."""
+
+from __future__ import annotations
+
+from ...results.run import Run
+from ..film import shot as shots
+from ..film.look import Look
+from ..film.shot import Shot
+from .clock import Clock
+from .window import Closed, Window
+
+
+def taken(run: Run, start: float | str | None, stop: float | str | None) -> Shot:
+    """All samples of a span of a run.
+
+    Args:
+        run: the run.
+        start: where it begins: seconds, or a cycle such as "8c"; the run's start.
+        stop: where it ends: seconds, or a cycle such as "10c" with whose end it ends; the run's.
+
+    Raises:
+        PictureError: the span is not within the run, or was not kept.
+    """
+    low, high = shots.span(run, start, stop)
+    dt = run.experiment.simulation.timestep
+    times = shots.times((run,), low, high, dt, start is not None or stop is not None)
+    return shots.shot(run, times, run.experiment.name)
+
+
+def frame(steps: int, frames: int, once: bool) -> int | None:
+    """Number of the frame to show.
+
+    Args:
+        steps: time steps that have passed since the start.
+        frames: how many there are, a time step apart.
+        once: whether they end, instead of beginning again.
+
+    Returns:
+        The number; None after the end.
+    """
+    return None if once and steps >= frames else steps % frames
+
+
+def replay(run: Run, shot: Shot, look: Look, clock: Clock, once: bool) -> None:
+    """Show a shot until the window is closed, or to its end.
+
+    Args:
+        run: the run.
+        shot: what to show of it, from `taken`.
+        look: camera, background and what is drawn.
+        clock: how fast.
+        once: end after the last frame instead of beginning again.
+    """
+    dt = run.experiment.simulation.timestep
+    with Window(shot, look, shots.scale([shot]), clock) as window:
+        clock.go_on_at(0.0)
+        try:
+            while (number := frame(clock.steps(dt), len(shot.sample), once)) is not None:
+                window.show(int(shot.sample[number]))
+                window.wait()
+        except Closed:
+            return

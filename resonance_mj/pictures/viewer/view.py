@@ -1,0 +1,80 @@
+"""A saved run, or an experiment as it is simulated, in MuJoCo's viewer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...errors import PictureError
+from ...experiments.experiment import Experiment
+from ...results.run import Run
+from ..film.look import Look
+from . import display
+from .clock import KEYS_HELP, Clock
+
+
+def view(
+    what: Run | Experiment,
+    *,
+    speed: float = 1.0,
+    start: float | str | None = None,
+    stop: float | str | None = None,
+    once: bool = False,
+    look: Look | None = None,
+    note: Callable[[str], None] | None = None,
+    ended: Callable[[Run], None] | None = None,
+) -> Run | None:
+    """Replay a run, or simulate an experiment, in a window; returns when the window is closed.
+
+    Args:
+        what: a run, which is repeated, or an experiment, which is simulated in step with the
+            clock, or as fast as this computer can if that is slower.
+        speed: seconds of the run per second.
+        start: where to begin in a run: seconds, or a cycle such as "8c"; its start.
+        stop: where to end: seconds, or a cycle such as "10c" with whose end it ends; its end.
+        once: close the window at the end.
+        look: camera, background and what is drawn; its size and plots are for videos.
+        note: is called with each line that the user should know.
+        ended: is called with the run that was simulated as soon as it ends; the window stays.
+
+    Returns:
+        The run; of an experiment None if the window was closed before its end.
+
+    Raises:
+        PictureError: the span, the speed, the camera or the background is not valid, or there is
+            no display.
+        RobotError: the robot cannot be loaded.
+        MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        CallbackError: a simulation is running in this process.
+    """
+    look, note, ended = look or Look(), note or _ignore, ended or _ignore
+    if not 0 < speed < float("inf"):
+        raise PictureError(f"speed = {speed:g}: it must be greater than 0")
+    if look.background == "transparent":
+        raise PictureError("background 'transparent': a window is not; give sky, white or dark")
+    if isinstance(what, Experiment) and (start is not None or stop is not None):
+        raise PictureError(
+            f"{what.name}: a span is part of a saved run, and this is an experiment, which begins "
+            "at its beginning"
+        )
+    if isinstance(what, Run):
+        from .replay import replay, taken
+
+        shot = taken(what, start, stop)
+        display.check()
+        note(KEYS_HELP)
+        replay(what, shot, look, Clock(speed), once)
+        return what
+    display.check()
+    from ...callback.callback import refuse_another
+    from ...plan.plan import prepare
+    from .live import live
+
+    refuse_another()
+    prepared = prepare(what)
+    for line in (*prepared.notes, KEYS_HELP):
+        note(line)
+    return live(prepared, look, Clock(speed), once, ended)
+
+
+def _ignore(_: object) -> None:
+    """Do nothing."""

@@ -1,0 +1,157 @@
+"""What to know before a run starts: motors too weak, poses nearly singular, what will diverge."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..experiments.experiment import Experiment
+from ..laws.gains import Gains
+from ..laws.stability.divergence import Divergence, divergences
+from ..motions.kinematics import JointMotion, Kinematics
+from ..robots.robot import Robot
+from ..springs.optimum import Optimum
+
+NEAR_SINGULAR = 0.02
+"""Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
+
+POSES = 40
+"""Poses along a cycle at which gains and singular values are looked at."""
+
+ANALYSED = ("learning", "fixed", "paper", "transfer")
+"""Laws whose learning is from the task-space y of (8): what `divergence` predicts."""
+
+WORTHWHILE = 0.05
+"""Multiple of a learning gain from which it is worth saying that it would not diverge."""
+
+
+def before(
+    experiment: Experiment, robot: Robot, found: list[JointMotion], optima: list[Optimum]
+) -> list[str]:
+    """What may go wrong on an arm with its motions, a line each."""
+    said = []
+    for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
+        name = f"motion.{index}"
+        kinematics = Kinematics(robot.carrying(experiment.motion[index].payload))
+        J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
+        values = np.linalg.svd(J, compute_uv=False)
+        nearest = float((values[:, -1] / values[:, 0]).min())
+        if nearest < NEAR_SINGULAR:
+            said.append(
+                f"{name} comes near a singular pose: the smallest singular value of J falls to "
+                f"{nearest:.1e} of its largest"
+            )
+        said += _weak_motors(name, robot, best)
+    return said
+
+
+def unstable(
+    experiment: Experiment,
+    robot: Robot,
+    gains: Gains,
+    found: list[JointMotion],
+    optima: list[Optimum],
+) -> list[str]:
+    """What will diverge, a line each: feedback or learning that is unstable when sampled.
+
+    Of the laws, those of `ANALYSED` are looked at.
+    """
+    learns: list[Divergence | None] = [None] * len(found)
+    if experiment.law.kind in ANALYSED:
+        learns = divergences(experiment, robot, gains, found, optima)
+    said = []
+    for index, (joints, why) in enumerate(zip(found, learns, strict=True)):
+        name, motion = f"motion.{index}", experiment.motion[index]
+        loaded = robot.carrying(motion.payload)
+        said += _unstable_feedback(name, experiment, loaded, gains, joints)
+        if why:
+            said.append(_diverging(name, experiment, gains, why, motion.cycles, motion.period))
+    return said
+
+
+def _poses(joints: JointMotion) -> np.ndarray:
+    return joints.q[:: max(1, len(joints.q) // POSES)]
+
+
+def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
+    """Motors that cannot give the torque that a motion needs with the best springs."""
+    low, high = robot.torque_limit.T
+    # Of each motor the limit on the side to which its torque points.
+    peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)])
+    limits = np.stack([high, -low])
+    said = []
+    for j, joint in enumerate(robot.joints):
+        for peak, limit in zip(peaks[:, j], limits[:, j], strict=True):
+            if peak > max(limit, 0.0):
+                said.append(
+                    f"{name} asks {joint} for {peak:.3g} N m even with the best springs, and its "
+                    f"motor gives {limit:g}"
+                    + (f", {peak / limit:.1f} times less" if limit > 0 else "")
+                    + ": slow the motion down or make it smaller"
+                )
+    return said
+
+
+def _unstable_feedback(
+    name: str, experiment: Experiment, robot: Robot, gains: Gains, joints: JointMotion
+) -> list[str]:
+    """Feedback that is unstable when sampled: an eigenvalue of M⁻¹ (Jᵀ K_v J + G) above 2/dt."""
+    kinematics = Kinematics(robot)
+    limit = 2.0 / experiment.simulation.timestep
+    highest = max(
+        float(
+            np.linalg.eigvals(
+                np.linalg.solve(
+                    kinematics.inertia(q), J.T @ (gains.k_v[:, None] * J) + gains.feedback
+                )
+            ).real.max()
+        )
+        for q, J in ((q, kinematics.jacobian(q)) for q in _poses(joints))
+    )
+    if highest <= limit:
+        return []
+    k_v = experiment.law.k_v
+    key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
+    return [
+        f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
+        f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
+        f"{value * limit / highest:.3g}"
+    ]
+
+
+def _diverging(
+    name: str, experiment: Experiment, gains: Gains, why: Divergence, cycles: int, period: float
+) -> str:
+    """That learning a motion will diverge, how and when, and what would not."""
+    law, grows = experiment.law, why.onset
+    key, value = ("law.eta", law.eta) if law.beta is None else ("law.beta", law.beta)
+    cures = []
+    if why.lead_margin >= 1:
+        cures.append(f"law.lead = {why.lead}")
+    elif why.lead != gains.lead and why.lead_margin > WORTHWHILE:
+        smaller = _rounded_down(value * why.lead_margin)
+        cures.append(f"law.lead = {why.lead} with {key} = {smaller:g}")
+    if why.harmonics:
+        cures.append(f"law.harmonics = {why.harmonics}")
+    if why.margin > WORTHWHILE:
+        cures.append(f"{key} = {_rounded_down(value * why.margin):g}")
+    when = (
+        f"about cycle {float(f'{grows.cycle:.2g}'):.0f}"
+        if math.isfinite(grows.cycle)
+        else "after more than ten million cycles"
+    )
+    percent = float(f"{100 * grows.growth:.2g}")
+    ends = f"of {cycles}" if grows.cycle <= cycles else f"and this run ends at cycle {cycles}"
+    return (
+        f"learning diverges {when} of such a motion as {name}, {ends}: with {key} = {value:g} and "
+        f"law.lead = {gains.lead} harmonics of 1/T from {grows.first} on grow, {grows.fastest} "
+        f"({grows.fastest / period:g} Hz) fastest, by {percent:g} % in a cycle; "
+        + (f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller")
+    )
+
+
+def _rounded_down(value: float) -> float:
+    """A value with two digits that is not above the given one."""
+    digits = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / digits) * digits
