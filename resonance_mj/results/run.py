@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -19,9 +19,11 @@ from ..errors import OutputError
 from ..experiments.experiment import Experiment
 from ..experiments.loading import load
 from ..files import replacing, writable
-from ..plan.plan import Plan, plan_for
 from ..status import Status
 from .motions import MotionOfRun, motions
+
+if TYPE_CHECKING:
+    from ..plan.plan import Plan
 
 
 def versions() -> dict[str, str]:
@@ -76,8 +78,11 @@ class Run:
             RobotError: the robot's file is missing or not valid.
             MotionError: the arm cannot make the motion.
         """
-        mine = self.planned is not None and self.planned.experiment == self.experiment
-        return self.planned if self.planned is not None and mine else plan_for(self.experiment)
+        from ..plan.plan import plan_for  # imports MuJoCo, which reading a run does not need
+
+        if self.planned is not None and self.planned.experiment == self.experiment:
+            return self.planned
+        return plan_for(self.experiment)
 
     @cached_property
     def motions(self) -> tuple[MotionOfRun, ...]:
