@@ -1,11 +1,17 @@
 """The errors that a user's input can cause. Each message is one line that can be acted on."""
 
+from .text import one_line
+
 
 class ResonanceError(Exception):
     """Base of every error that this package raises on purpose.
 
-    The message names the file, key or element, the value received, and what would be valid.
+    The message names the file, key or element, the value received, and what would be valid. It is
+    one line of a length that can be read, whatever stands in the names and values.
     """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
 
 
 class ExperimentError(ResonanceError):

@@ -1,14 +1,62 @@
-"""Writing files so that nothing half-written is ever left under its final name."""
+"""Files of users, read with care, and files written so that nothing is ever left half-written."""
 
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import OutputError
+from .errors import ExperimentError, OutputError, ResonanceError
+from .text import cut
+
+LARGEST = 4_000_000
+"""Bytes that a text file of a user may have."""
+
+
+def read_text(
+    path: str | os.PathLike[str],
+    where: str = "",
+    needed: str = "",
+    error: type[ResonanceError] = ExperimentError,
+    limit: int = LARGEST,
+) -> str:
+    """The text of a file that a user named: a regular file in UTF-8, and not a huge one.
+
+    Args:
+        path: of the file.
+        where: how the error names it; its path if not given.
+        needed: what the error says would be valid.
+        error: the error to raise.
+        limit: bytes that it may have.
+
+    Raises:
+        ResonanceError: the file is missing, not regular, too long, not UTF-8 or may not be read.
+    """
+    try:
+        with open(path, "rb", opener=_without_waiting) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                reason = "is a device or a pipe, not a file"
+            elif len(content := file.read(limit + 1)) > limit:
+                reason = f"is longer than {limit / 1e6:g} MB"
+            else:
+                return content.decode("utf-8-sig")
+    except FileNotFoundError:
+        reason = "does not exist"
+    except IsADirectoryError:
+        reason = "is a folder"
+    except UnicodeDecodeError as found:
+        reason = f"byte {found.start + 1} is not UTF-8: save it in UTF-8"
+    except (OSError, ValueError) as found:
+        reason = f"cannot be read: {getattr(found, 'strerror', None) or found}"
+    raise error("; ".join(filter(None, (f"{where or cut(str(path), 200)}: {reason}", needed))))
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open a file; a pipe that nobody writes to is opened too, and not waited for."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def writable(folder: str | os.PathLike[str]) -> Path:

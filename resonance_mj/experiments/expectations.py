@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ..status import Status
+from ..text import shown
 from .section import Finite, Gain, Section
-from .words import shown
 
 PER_JOINT = ("stiffness", "offset", "equilibrium")
 """Figures with a number for each joint; the others have one."""

@@ -9,13 +9,13 @@ import tomlkit
 from pydantic import Field, model_validator
 
 from ..errors import ExperimentError
+from ..text import listed, nearest, shown
 from .expectations import Expect
 from .law_section import Law
 from .motion_section import Motion
 from .section import Section, Vector
 from .sections import Robot, Simulation, Springs, Task
 from .validation import validated
-from .words import listed, nearest, shown
 
 
 class Experiment(Section):

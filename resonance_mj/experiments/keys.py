@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pydantic import BaseModel
 
+from ..text import shown
 from .expectations import Expect, Expected
 from .experiment import Experiment
 from .law_section import Law
 from .motion_section import Motion
 from .sections import Robot, Simulation, Springs, Task
-from .words import shown
 
 _SECTIONS: dict[str, type[BaseModel]] = {
     "robot": Robot,

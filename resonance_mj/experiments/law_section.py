@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
+from ..text import listed, nearest
 from .section import Angles, Gain, Gains, Section, Vector
-from .words import listed, nearest
 
 KINDS = (
     "feedback",

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from .. import library
 from ..errors import ExperimentError
+from ..text import listed, nearest
 from .experiment import Experiment
 from .validation import validated
-from .words import listed, nearest
 
 
 def load(name: str | os.PathLike[str]) -> Experiment:

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ..text import listed
 from .section import Finite, Positive, Section
-from .words import listed
 
 
 class Motion(Section):

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from ..errors import ExperimentError
-from .words import listed, nearest, shown
+from ..text import listed, nearest, shown
 
 _PLAIN = {"model_type": "a table of keys is needed", "tuple_type": "a list is needed"}
 """What pydantic says in words of Python."""
