@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import resonance_mj as rmj
 from resonance_mj.experiments.motion_section import Motion
-from resonance_mj.motions import angular, default_motion, motion
+from resonance_mj.motions import default_motion, motion, rotations
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.motions.motion import blended, resolve, sample
 from resonance_mj.plan.plan import plan_for
@@ -255,10 +255,10 @@ def test_angular_rates_go_there_and_back_and_are_plain_about_a_fixed_axis():
     r, dr, ddr = rng.normal(size=(3, 50, 3))
     r *= rng.uniform(0, 3.1, (50, 1)) / np.linalg.norm(r, axis=1, keepdims=True)
     r[0] = 0.0
-    back = angular.to_rates(r, *angular.from_rates(r, dr, ddr))
+    back = rotations.to_rates(r, *rotations.from_rates(r, dr, ddr))
     assert np.allclose(back[0], dr, atol=1e-11)
     assert np.allclose(back[1], ddr, atol=1e-10)
-    omega, alpha = angular.from_rates(r, 2 * r, 3 * r)
+    omega, alpha = rotations.from_rates(r, 2 * r, 3 * r)
     assert np.allclose(omega, 2 * r)
     assert np.allclose(alpha, 3 * r)
 

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from resonance_mj.laws import equations
+from resonance_mj.motions import rotations
 
 
 def damped(J, rate, s, drift, usual=0.0, alpha=10.0):
@@ -69,9 +70,9 @@ def test_rotation_and_rotation_vector_are_inverse_to_each_other(seed, angle):
     r = angle * axis / np.linalg.norm(axis)
     home = Rotation.random(rng=rng).as_matrix()
     R, back = np.empty((3, 3)), np.empty(3)
-    equations.rotation(r, home, R)
+    rotations.rotation(r, home, R)
     np.testing.assert_allclose(R, Rotation.from_rotvec(r).as_matrix() @ home, atol=1e-12)
-    equations.rotation_vector(R, home, back)
+    rotations.rotation_vector(R, home, back)
     np.testing.assert_allclose(back, r, atol=1e-7)
 
 
@@ -80,7 +81,7 @@ def test_small_rotations_are_exact_in_every_digit(angle):
     """Of exp(r) about an axis in the x-y plane: each entry beside the diagonal is a single term."""
     x, y = angle * np.array([0.6, 0.8])
     R = np.empty((3, 3))
-    equations.rotation(np.array([x, y, 0.0]), np.eye(3), R)
+    rotations.rotation(np.array([x, y, 0.0]), np.eye(3), R)
     sinc, cosc = np.sin(angle) / angle, 2 * (np.sin(angle / 2) / angle) ** 2
     exact = np.array([cosc * x * y, sinc * y, -sinc * x])
     np.testing.assert_allclose([R[0, 1], R[0, 2], R[1, 2]], exact, rtol=2e-12)
@@ -90,8 +91,8 @@ def test_small_rotations_are_exact_in_every_digit(angle):
 @pytest.mark.parametrize("angle", [1e-12, 1e-10, 0.9e-9, 1.1e-9, 1e-6])
 def test_smallest_rotation_vectors_are_exact(angle):
     r, R, back = angle * np.array([0.6, 0.0, 0.8]), np.empty((3, 3)), np.empty(3)
-    equations.rotation(r, np.eye(3), R)
-    equations.rotation_vector(R, np.eye(3), back)
+    rotations.rotation(r, np.eye(3), R)
+    rotations.rotation_vector(R, np.eye(3), back)
     np.testing.assert_allclose(back, r, rtol=1e-10, atol=1e-25)
 
 

@@ -18,10 +18,9 @@ import llvmlite.binding
 import mujoco
 
 from ..errors import CallbackError
-from ..laws import controller, equations, memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.memory import Header, block, matrix
-from ..springs import spring as springs
+from ..step_functions import STEP_FUNCTIONS
 from . import machine_code, structs
 
 _installing = threading.Lock()
@@ -110,9 +109,8 @@ def _sources(command: Command) -> bytes:
     """All source code that the callback is made of: an edit in any of its files compiles anew."""
     cells = (cell.cell_contents for cell in command.__closure__ or ())
     functions = [command, *(value for value in cells if callable(value))]
-    files = [str(module.__file__) for module in (equations, springs, memory, controller)]
-    files += [str(Path(__file__).with_name("compilation.py"))]
-    files += [function.__code__.co_filename for function in functions]
+    files = [str(Path(__file__).with_name("compilation.py"))]
+    files += sorted({function.__code__.co_filename for function in (*STEP_FUNCTIONS, *functions)})
     names = repr([function.__qualname__ for function in functions]).encode()
     return names + b"".join(Path(file).read_bytes() for file in files)
 

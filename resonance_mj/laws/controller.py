@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..motions import rotations
 from ..springs import spring as springs
 from ..step_functions import step_function
 from . import equations
@@ -131,9 +132,9 @@ def measure(
     if memory[Header.ROTATES] == 1.0:
         home = matrix(memory, Header.ORIENTATION, 3, 3)
         desired = matrix(memory, Header.DESIRED, 3, 3)
-        equations.rotation(x_desired[m - 3 :], home, desired)
-        equations.rotation_vector(orientation, desired, error[m - 3 :])
-        equations.rotation_vector(orientation, home, x[m - 3 :])
+        rotations.rotation(x_desired[m - 3 :], home, desired)
+        rotations.rotation_vector(orientation, desired, error[m - 3 :])
+        rotations.rotation_vector(orientation, home, x[m - 3 :])
 
 
 @step_function

@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 
 from ..errors import MotionError
-from ..laws import equations
 from ..robots.robot import Robot
+from . import rotations
 from .motion import Samples
 
 TOLERANCE = 1e-11
@@ -245,7 +245,7 @@ class Kinematics:
             return data.site_xpos[robot.site][robot.coordinate].copy()
         x = np.empty(robot.m)
         x[:-3] = data.site_xpos[robot.site][robot.coordinate[:-3]]
-        equations.rotation_vector(self._orientation(), robot.orientation, x[-3:])
+        rotations.rotation_vector(self._orientation(), robot.orientation, x[-3:])
         return x
 
     def _orientation(self) -> np.ndarray:
@@ -274,8 +274,8 @@ class Kinematics:
         error = x - self._x()
         if self.robot.rotates:
             desired = np.empty((3, 3))
-            equations.rotation(x[-3:], self.robot.orientation, desired)
-            equations.rotation_vector(desired, self._orientation(), error[-3:])
+            rotations.rotation(x[-3:], self.robot.orientation, desired)
+            rotations.rotation_vector(desired, self._orientation(), error[-3:])
         return error, self._J()
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import ExperimentError
 from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
-from . import angular, waypoints
+from . import rotations, waypoints
 from .waypoints import Waypoints
 
 
@@ -55,7 +55,7 @@ def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
             turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
             for part, more in zip(parts, turn, strict=True):
                 part[:, -3:] += more
-        dx[:, -3:], ddx[:, -3:] = angular.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
     return Samples(x, dx, ddx, robot.rotates)
 
 
@@ -124,7 +124,7 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     dx = before.dx + sigma * d_gap + d_sigma * gap
     ddx = before.ddx + sigma * dd_gap + 2 * d_sigma * d_gap + dd_sigma * gap
     if after.rotates:
-        dx[:, -3:], ddx[:, -3:] = angular.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
     return Samples(x, dx, ddx, after.rotates)
 
 
@@ -262,7 +262,7 @@ def _minimum_jerk(r: np.ndarray) -> np.ndarray:
 def _with_rates(samples: Samples) -> Samples:
     """With the rotation vector's own derivatives in place of angular velocity and acceleration."""
     x, dx, ddx = samples.x, samples.dx.copy(), samples.ddx.copy()
-    dx[:, -3:], ddx[:, -3:] = angular.to_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+    dx[:, -3:], ddx[:, -3:] = rotations.to_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
     return Samples(x, dx, ddx, True)
 
 

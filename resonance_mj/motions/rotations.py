@@ -1,4 +1,4 @@
-"""A rotation vector's rates, and the angular velocity and acceleration of what it turns.
+"""Rotations: the orientation of a rotation vector and back, its rates and its angular velocity.
 
 The orientation is exp(r) R_home with r in the world frame. Its angular velocity is not dr/dt but
 ω = J_l(r) dr/dt, with the left Jacobian of SO(3): J_l(r) v = v + A r × v + B r × (r × v), where
@@ -7,15 +7,62 @@ A = (1 - cos θ)/θ² and B = (θ - sin θ)/θ³ at the angle θ = |r|.
 
 from __future__ import annotations
 
-from math import factorial
+import math
 
 import numpy as np
 from numpy.polynomial import polynomial
 
+from ..step_functions import step_function
+
 # In powers of θ², where A and B have no singularity; 16 terms are exact to rounding below 2π.
-_A = np.array([(-1) ** k / factorial(2 * k + 2) for k in range(16)])
-_B = np.array([(-1) ** k / factorial(2 * k + 3) for k in range(16)])
+_A = np.array([(-1) ** k / math.factorial(2 * k + 2) for k in range(16)])
+_B = np.array([(-1) ** k / math.factorial(2 * k + 3) for k in range(16)])
 _DA, _DB = polynomial.polyder(_A), polynomial.polyder(_B)
+
+
+@step_function
+def rotation(r: np.ndarray, home: np.ndarray, out: np.ndarray) -> None:
+    """Orientation exp(r) R_home of a rotation vector.
+
+    Args:
+        r: rotation vector in the world frame (3,) [rad].
+        home: R_home (3, 3).
+        out: receives the orientation (3, 3).
+    """
+    x, y, z = r[0], r[1], r[2]
+    squared = x * x + y * y + z * z
+    angle = math.sqrt(squared)
+    sinc, cosc = 1.0 - squared / 6.0, 0.5 - squared / 24.0
+    if angle > 1e-4:
+        sinc, cosc = math.sin(angle) / angle, (1.0 - math.cos(angle)) / squared
+    for j in range(3):
+        a, b, c = home[0, j], home[1, j], home[2, j]
+        dot = x * a + y * b + z * c
+        cos = 1.0 - cosc * squared
+        out[0, j] = cos * a + sinc * (y * c - z * b) + cosc * dot * x
+        out[1, j] = cos * b + sinc * (z * a - x * c) + cosc * dot * y
+        out[2, j] = cos * c + sinc * (x * b - y * a) + cosc * dot * z
+
+
+@step_function
+def rotation_vector(R: np.ndarray, S: np.ndarray, out: np.ndarray) -> None:
+    """Rotation vector in the world frame that takes the orientation S to R: log(R Sᵀ).
+
+    Args:
+        R: orientation (3, 3).
+        S: orientation (3, 3).
+        out: receives the rotation vector (3,) [rad], its angle at most π.
+    """
+    x = y = z = trace = 0.0
+    for j in range(3):
+        x += R[2, j] * S[1, j] - R[1, j] * S[2, j]
+        y += R[0, j] * S[2, j] - R[2, j] * S[0, j]
+        z += R[1, j] * S[0, j] - R[0, j] * S[1, j]
+        trace += R[0, j] * S[0, j] + R[1, j] * S[1, j] + R[2, j] * S[2, j]
+    sin = 0.5 * math.sqrt(x * x + y * y + z * z)
+    angle = math.atan2(sin, 0.5 * (trace - 1.0))
+    factor = 0.5 if sin < 1e-9 else 0.5 * angle / sin
+    out[0], out[1], out[2] = factor * x, factor * y, factor * z
 
 
 def from_rates(r: np.ndarray, dr: np.ndarray, ddr: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
