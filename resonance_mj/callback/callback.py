@@ -80,7 +80,7 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
         return
     if begins_step(mem):
         site = int(mem[Header.SITE])
-        jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+        jacobian = matrix(mem, mem[Header.JACOBIAN], 6, int(mem[Header.DOFS]))
         rotational = jacobian[3:] if mem[Header.ROTATES] == 1.0 else None
         mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
         orientation = data.site_xmat[site].reshape(3, 3)

@@ -15,6 +15,7 @@ from ..errors import CallbackError
 from ..laws import memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.memory import Header, block, matrix
+from ..laws.own import own, row
 from ..step_functions import STEP_FUNCTIONS
 
 
@@ -35,7 +36,8 @@ def translate(
         CallbackError: Numba cannot compile the command.
     """
     for function in STEP_FUNCTIONS:
-        register_jitable(function)
+        # What makes the views is inlined, so that those that are not used cost nothing.
+        register_jitable(forceinline=function in (own, row))(function)
     jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
     userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
 
@@ -48,7 +50,7 @@ def translate(
         motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):
             site = int(mem[Header.SITE])
-            jacobian = matrix(mem, Header.JACOBIAN, 6, int(mem[Header.DOFS]))
+            jacobian = matrix(mem, mem[Header.JACOBIAN], 6, int(mem[Header.DOFS]))
             rotational = jacobian[3:].ctypes.data if mem[Header.ROTATES] == 1.0 else 0
             _mj_jacSite(model, data, jacobian.ctypes.data, rotational, site)
             position = _word(data, site_xpos) + 24 * site
@@ -119,14 +121,14 @@ def _doubles(address: int, size: int) -> np.ndarray:
 
 
 @overload(memory.vector)
-def _vector(memory, name, size):  # type: ignore[no-untyped-def]
-    return lambda memory, name, size: carray(_address(memory, int(memory[name])), size, np.float64)
+def _vector(memory, start, size):  # type: ignore[no-untyped-def]
+    return lambda memory, start, size: carray(_address(memory, int(start)), size, np.float64)
 
 
 @overload(memory.matrix)
-def _matrix(memory, name, rows, columns):  # type: ignore[no-untyped-def]
-    return lambda memory, name, rows, columns: carray(
-        _address(memory, int(memory[name])), (rows, columns), np.float64
+def _matrix(memory, start, rows, columns):  # type: ignore[no-untyped-def]
+    return lambda memory, start, rows, columns: carray(
+        _address(memory, int(start)), (rows, columns), np.float64
     )
 
 

@@ -13,10 +13,12 @@ from ..motions import rotations
 from ..springs import spring as springs
 from ..step_functions import step_function
 from . import equations
-from .memory import Header, matrix, vector
+from .memory import Header
+from .own import own as views
+from .own import row as record
 
 Command = Callable[..., None]
-"""Sets y and τ from (memory, n, m, qpos, qvel, u, y, tau)."""
+"""Sets y and τ in the memory from (memory, qpos, qvel)."""
 
 
 @step_function
@@ -49,175 +51,105 @@ def act(
         ctrl: mjData.ctrl, written.
         command: sets y and τ: `standard`, `joint_space`, or a custom law's.
     """
-    n = int(memory[Header.JOINTS])
-    m = int(memory[Header.COORDINATES])
-    step = int(memory[Header.STEP])
-    columns = int(memory[Header.COLUMNS])
-    qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
-    dof_address = vector(memory, Header.DOF_ADDRESS, n)
-    actuator_id = vector(memory, Header.ACTUATOR_ID, n)
-    y = vector(memory, Header.Y, n)
-    tau = vector(memory, Header.TAU, n)
-    q_c = vector(memory, Header.Q_C, n)
-    k = vector(memory, Header.STIFFNESS, n)
-    offset = vector(memory, Header.OFFSET, n)
-    x_desired = vector(memory, Header.X_DESIRED, (step + 1) * m)[step * m :]
-    u = vector(memory, Header.LEARNED, (step + 1) * n)[step * n :]
-    row = vector(memory, Header.RECORD, (step + 1) * columns)[step * columns :]
+    own = views(memory)
+    row = record(memory, own.n, own.m, own.step)
+    k, offset, q_c = own.stiffness, own.offset, own.q_c
+    measure(memory, qvel, tool, orientation, row.x)
+    command(memory, qpos, qvel)
+    limit(own.tau, own.tau_min, own.tau_max)
 
-    measure(memory, n, m, step, qvel, tool, orientation, x_desired, row[2 * n :])
-    command(memory, n, m, qpos, qvel, u, y, tau)
-    limit(memory, n, tau)
-
-    torque_limit = vector(memory, Header.TORQUE_LIMIT, n)
-    for j in range(n):
-        speed = abs(qvel[int(dof_address[j])])
-        spring = abs(springs.torque(k[j], offset[j], qpos[int(qpos_address[j])], q_c[j]))
-        hardest = torque_limit[j]
+    for j in range(own.n):
+        speed = abs(qvel[int(own.dof_address[j])])
+        spring = abs(springs.torque(k[j], offset[j], qpos[int(own.qpos_address[j])], q_c[j]))
+        hardest = own.torque_limit[j]
         # Written so that what is not a number fails too.
-        if not (
-            speed <= memory[Header.SPEED_LIMIT] and abs(tau[j]) <= hardest and spring <= hardest
-        ):
-            memory[Header.FAILED_STEP] = step + 1
+        if not (speed <= own.speed_limit and abs(own.tau[j]) <= hardest and spring <= hardest):
+            memory[Header.FAILED_STEP] = own.step + 1
             memory[Header.FAILED_JOINT] = j
             return
 
-    for j in range(n):
-        q = qpos[int(qpos_address[j])]
-        row[j] = q
-        row[n + j] = qvel[int(dof_address[j])]
-        row[2 * n + m + j] = y[j]
-        row[3 * n + m + j] = tau[j]
-        row[4 * n + m + j] = u[j]
-        row[5 * n + m + j] = k[j]
-        row[6 * n + m + j] = offset[j]
-        ctrl[int(actuator_id[j])] = tau[j]
-        adapt(memory, n, j, q, q_c[j], y[j], k, offset)
+    for j in range(own.n):
+        row.q[j] = qpos[int(own.qpos_address[j])]
+        row.dq[j] = qvel[int(own.dof_address[j])]
+        row.y[j] = own.y[j]
+        row.tau[j] = own.tau[j]
+        row.u[j] = own.learned[j]
+        row.stiffness[j] = k[j]
+        row.offset[j] = offset[j]
+        ctrl[int(own.actuator_id[j])] = own.tau[j]
+    adapt(memory, row.q)
 
 
 @step_function
 def measure(
     memory: np.ndarray,
-    n: int,
-    m: int,
-    step: int,
     qvel: np.ndarray,
     tool: np.ndarray,
     orientation: np.ndarray,
-    x_desired: np.ndarray,
     x: np.ndarray,
 ) -> None:
     """Task Jacobian, position (to `x`), position error and rate of the tool, into the memory."""
-    dof_address = vector(memory, Header.DOF_ADDRESS, n)
-    coordinate = vector(memory, Header.COORDINATE, m)
-    jacobian = matrix(memory, Header.JACOBIAN, 6, int(memory[Header.DOFS]))
-    J = matrix(memory, Header.J, m, n)
-    error = vector(memory, Header.ERROR, m)
-    rate = vector(memory, Header.RATE, m)
-    before = vector(memory, Header.BEFORE, 3)
-    dx_desired = vector(memory, Header.DX_DESIRED, (step + 1) * m)[step * m :]
-    for i in range(m):
-        axis = int(coordinate[i])
+    own = views(memory)
+    for i in range(own.m):
+        axis = int(own.coordinate[i])
         if axis < 3:
             x[i] = tool[axis]
-            error[i] = tool[axis] - x_desired[i]
-        rate[i] = -dx_desired[i]
-        for j in range(n):
-            dof = int(dof_address[j])
-            J[i, j] = jacobian[axis, dof]
-            rate[i] += J[i, j] * qvel[dof]
-        if axis < 3 and memory[Header.DIFFERENCE] == 1.0:
-            rate[i] = (tool[axis] - before[axis]) / memory[Header.TIMESTEP] - dx_desired[i]
-            before[axis] = tool[axis]
-    if memory[Header.ROTATES] == 1.0:
-        home = matrix(memory, Header.ORIENTATION, 3, 3)
-        desired = matrix(memory, Header.DESIRED, 3, 3)
-        rotations.rotation(x_desired[m - 3 :], home, desired)
-        rotations.rotation_vector(orientation, desired, error[m - 3 :])
-        rotations.rotation_vector(orientation, home, x[m - 3 :])
+            own.error[i] = tool[axis] - own.x_desired[i]
+        own.rate[i] = -own.dx_desired[i]
+        for j in range(own.n):
+            dof = int(own.dof_address[j])
+            own.J[i, j] = own.jacobian[axis, dof]
+            own.rate[i] += own.J[i, j] * qvel[dof]
+        if axis < 3 and own.difference:
+            own.rate[i] = (tool[axis] - own.before[axis]) / own.timestep - own.dx_desired[i]
+            own.before[axis] = tool[axis]
+    if own.rotates:
+        rotations.rotation(own.x_desired[own.m - 3 :], own.orientation, own.desired)
+        rotations.rotation_vector(orientation, own.desired, own.error[own.m - 3 :])
+        rotations.rotation_vector(orientation, own.orientation, x[own.m - 3 :])
 
 
 @step_function
-def standard(
-    memory: np.ndarray,
-    n: int,
-    m: int,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    u: np.ndarray,
-    y: np.ndarray,
-    tau: np.ndarray,
-) -> None:
+def standard(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
     """Error signal y (8) and motor torque τ (4)."""
-    alpha = memory[Header.ALPHA]
-    form = memory[Header.FORM]
-    J = matrix(memory, Header.J, m, n)
-    error = vector(memory, Header.ERROR, m)
-    rate = vector(memory, Header.RATE, m)
-    s = vector(memory, Header.S, m)
-    more = int(memory[Header.MORE])
-    work = matrix(memory, Header.WORK, more, more)
-    equations.saturation(error, s)
-    if form == 0.0:
-        equations.error_inverse(J, rate, alpha, s, work, y)
-    elif form == 1.0:
-        equations.error_transpose(J, rate, alpha, s, y)
+    own = views(memory)
+    equations.saturation(own.error, own.s)
+    if own.form == 0:
+        equations.error_inverse(own.J, own.rate, own.alpha, own.s, own.work, own.y)
+    elif own.form == 1:
+        equations.error_transpose(own.J, own.rate, own.alpha, own.s, own.y)
     else:
-        drift = vector(memory, Header.DRIFT, n)
-        posture = vector(memory, Header.POSTURE, n)
-        qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
-        dof_address = vector(memory, Header.DOF_ADDRESS, n)
-        for j in range(n):
-            away = qpos[int(qpos_address[j])] - posture[j]
-            drift[j] = qvel[int(dof_address[j])] + memory[Header.ALPHA_0] * away
-        equations.error_damped(J, rate, alpha, s, drift, memory[Header.USUAL], work, y)
-    equations.motor_torque(
-        J, vector(memory, Header.K_V, m), vector(memory, Header.K_P, m), rate, s, u, tau
-    )
-    if memory[Header.INERTIAL] == 1.0:
-        equations.inertial_feedback(matrix(memory, Header.FEEDBACK, n, n), y, tau)
+        for j in range(own.n):
+            away = qpos[int(own.qpos_address[j])] - own.posture[j]
+            own.drift[j] = qvel[int(own.dof_address[j])] + own.alpha_0 * away
+        equations.error_damped(
+            own.J, own.rate, own.alpha, own.s, own.drift, own.usual, own.work, own.y
+        )
+    equations.motor_torque(own.J, own.k_v, own.k_p, own.rate, own.s, own.learned, own.tau)
+    if own.inertial:
+        equations.inertial_feedback(own.feedback, own.y, own.tau)
 
 
 @step_function
-def joint_space(
-    memory: np.ndarray,
-    n: int,
-    m: int,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    u: np.ndarray,
-    y: np.ndarray,
-    tau: np.ndarray,
-) -> None:
+def joint_space(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
     """Error signal y = Δq̇ + α s(Δq) and motor torque τ = u - G Δq̇ - G_p s(Δq), given q_d."""
-    step = int(memory[Header.STEP])
-    alpha = memory[Header.ALPHA]
-    qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
-    dof_address = vector(memory, Header.DOF_ADDRESS, n)
-    q_desired = vector(memory, Header.Q_DESIRED, (step + 1) * n)[step * n :]
-    dq_desired = vector(memory, Header.DQ_DESIRED, (step + 1) * n)[step * n :]
-    G = matrix(memory, Header.FEEDBACK, n, n)
-    G_p = matrix(memory, Header.FEEDBACK_P, n, n)
-    error = vector(memory, Header.Q, n)
-    rate = vector(memory, Header.DQ, n)
-    s = vector(memory, Header.DRIFT, n)
-    for j in range(n):
-        error[j] = qpos[int(qpos_address[j])] - q_desired[j]
-        rate[j] = qvel[int(dof_address[j])] - dq_desired[j]
+    own = views(memory)
+    error, rate, s = own.q, own.dq, own.drift
+    for j in range(own.n):
+        error[j] = qpos[int(own.qpos_address[j])] - own.q_desired[j]
+        rate[j] = qvel[int(own.dof_address[j])] - own.dq_desired[j]
     equations.saturation(error, s)
-    for j in range(n):
-        y[j] = rate[j] + alpha * s[j]
-        tau[j] = u[j]
-        for i in range(n):
-            tau[j] -= G[j, i] * rate[i] + G_p[j, i] * s[i]
+    for j in range(own.n):
+        own.y[j] = rate[j] + own.alpha * s[j]
+        own.tau[j] = own.learned[j]
+        for i in range(own.n):
+            own.tau[j] -= own.feedback[j, i] * rate[i] + own.feedback_p[j, i] * s[i]
 
 
 @step_function
-def limit(memory: np.ndarray, n: int, tau: np.ndarray) -> None:
+def limit(tau: np.ndarray, tau_min: np.ndarray, tau_max: np.ndarray) -> None:
     """Keep the torque within the motors' limits."""
-    tau_min = vector(memory, Header.TAU_MIN, n)
-    tau_max = vector(memory, Header.TAU_MAX, n)
-    for j in range(n):
+    for j in range(tau.size):
         # What is not a number stays so, for the check that follows.
         if tau[j] < tau_min[j]:
             tau[j] = tau_min[j]
@@ -226,35 +158,21 @@ def limit(memory: np.ndarray, n: int, tau: np.ndarray) -> None:
 
 
 @step_function
-def adapt(
-    memory: np.ndarray,
-    n: int,
-    j: int,
-    q: float,
-    q_c: float,
-    y: float,
-    k: np.ndarray,
-    offset: np.ndarray,
-) -> None:
-    """One explicit Euler step of (6), (7) for joint `j`, kept within the springs' bounds."""
-    gamma_k = vector(memory, Header.GAMMA_K, n)[j]
-    gamma_qe = vector(memory, Header.GAMMA_QE, n)[j]
-    if gamma_k == 0.0 and gamma_qe == 0.0:
-        return
-    timestep = memory[Header.TIMESTEP]
-    new_k = k[j] + timestep * equations.stiffness_rate(gamma_k, q, q_c, y)
-    new_offset = offset[j] + timestep * equations.offset_rate(gamma_qe, y)
-    # The metric of the Lyapunov function (16); a gain of 0 stands for a very stiff direction.
-    weight = max(gamma_qe, 1e-9) / max(gamma_k, 1e-9)
-    k[j], offset[j] = springs.nearest(
-        new_k,
-        new_offset,
-        vector(memory, Header.K_MIN, n)[j],
-        vector(memory, Header.K_MAX, n)[j],
-        vector(memory, Header.LOW, n)[j],
-        vector(memory, Header.HIGH, n)[j],
-        weight,
-    )
+def adapt(memory: np.ndarray, q: np.ndarray) -> None:
+    """One explicit Euler step of (6), (7) at joint angles q (n,), within the springs' bounds."""
+    own = views(memory)
+    dt = own.timestep
+    for j in range(own.n):
+        gamma_k, gamma_qe, y = own.gamma_k[j], own.gamma_qe[j], own.y[j]
+        if gamma_k == 0.0 and gamma_qe == 0.0:
+            continue
+        k = own.stiffness[j] + dt * equations.stiffness_rate(gamma_k, q[j], own.q_c[j], y)
+        offset = own.offset[j] + dt * equations.offset_rate(gamma_qe, y)
+        # The metric of the Lyapunov function (16); a gain of 0 stands for a very stiff direction.
+        weight = max(gamma_qe, 1e-9) / max(gamma_k, 1e-9)
+        own.stiffness[j], own.offset[j] = springs.nearest(
+            k, offset, own.k_min[j], own.k_max[j], own.low[j], own.high[j], weight
+        )
 
 
 @step_function
@@ -271,16 +189,11 @@ def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.nda
 @step_function
 def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
     """Rewrite mjModel's joint springs with the k and q̄_e of the memory."""
-    n = int(memory[Header.JOINTS])
-    joint_id = vector(memory, Header.JOINT_ID, n)
-    qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
-    q_c = vector(memory, Header.Q_C, n)
-    k = vector(memory, Header.STIFFNESS, n)
-    offset = vector(memory, Header.OFFSET, n)
-    for j in range(n):
-        stiffness, angle = springs.equilibrium(k[j], offset[j], q_c[j])
-        jnt_stiffness[int(joint_id[j])] = stiffness
-        qpos_spring[int(qpos_address[j])] = angle
+    own = views(memory)
+    for j in range(own.n):
+        k, q_e = springs.equilibrium(own.stiffness[j], own.offset[j], own.q_c[j])
+        jnt_stiffness[int(own.joint_id[j])] = k
+        qpos_spring[int(own.qpos_address[j])] = q_e
 
 
 @step_function

@@ -18,7 +18,7 @@ from ..errors import ExperimentError
 from ..experiments.law_section import KINDS
 from ..step_functions import step_function
 from .controller import Command, standard
-from .memory import Header, matrix, vector
+from .own import own as views
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""
@@ -117,33 +117,13 @@ def _adapted(custom: Callable[..., None]) -> Command:
     step_function(custom)
 
     @step_function
-    def command(
-        memory: np.ndarray,
-        n: int,
-        m: int,
-        qpos: np.ndarray,
-        qvel: np.ndarray,
-        u: np.ndarray,
-        y: np.ndarray,
-        tau: np.ndarray,
-    ) -> None:
-        qpos_address = vector(memory, Header.QPOS_ADDRESS, n)
-        dof_address = vector(memory, Header.DOF_ADDRESS, n)
-        q = vector(memory, Header.Q, n)
-        dq = vector(memory, Header.DQ, n)
-        for j in range(n):
-            q[j] = qpos[int(qpos_address[j])]
-            dq[j] = qvel[int(dof_address[j])]
+    def command(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+        own = views(memory)
+        for j in range(own.n):
+            own.q[j] = qpos[int(own.qpos_address[j])]
+            own.dq[j] = qvel[int(own.dof_address[j])]
         custom(
-            matrix(memory, Header.J, m, n),
-            vector(memory, Header.ERROR, m),
-            vector(memory, Header.RATE, m),
-            q,
-            dq,
-            u,
-            vector(memory, Header.PARAMETERS, int(memory[Header.COUNT])),
-            y,
-            tau,
+            own.J, own.error, own.rate, own.q, own.dq, own.learned, own.parameters, own.y, own.tau
         )
 
     return command

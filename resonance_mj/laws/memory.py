@@ -1,18 +1,20 @@
-"""The controller's block of mjData.userdata: all that a law remembers or is tuned by.
+"""The controller's block of mjData.userdata: all that a law's step remembers or is tuned by.
 
 The block is a header, one number per entry of `Header`, followed by arrays, one per entry of
 `ARRAYS`. The header holds the sizes and, for each array, where it begins. Nothing about a robot or
 a law is compiled in: a saved `userdata` is the whole state of the controller, and each robot of a
-batch has its own. The last two numbers of `userdata` say where the block begins and that there is
-one: numbers which a model's author keeps in `userdata` stay where they are, and models without a
-controller are left alone.
+batch has its own. What only learning between cycles needs stays in the plan. The last two numbers
+of `userdata` say where the block begins and that there is one: numbers which a model's author keeps
+in `userdata` stay where they are, and models without a controller are left alone.
+
+The step sees the block as `own.py` has it; between cycles those of all robots are a `Memory`.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -37,7 +39,6 @@ ARRAYS: dict[str, tuple[str, ...]] = {
     "feedback": ("joints", "joints"),
     "feedback_p": ("joints", "joints"),
     "q_c": ("joints",),
-    "q_s": ("joints",),
     "k_min": ("joints",),
     "k_max": ("joints",),
     "low": ("joints",),
@@ -90,11 +91,9 @@ _SCALARS = (
     "joints",  # n
     "coordinates",  # m
     "dofs",  # of the whole model
-    "steps",  # of the longest cycle: the rows of the tables
     "columns",  # of the record
-    "three",
-    "six",
     "more",  # than the joints and than the coordinates, by one
+    "parameters_given",  # of a custom law
     "site",  # the tool's id
     "rotates",  # 1 if the task has rotation, its last three coordinates
     "form",  # of (8): 0 for J^-1, 1 for J^T, 2 for the damped pseudo-inverse
@@ -103,24 +102,17 @@ _SCALARS = (
     "usual",  # manipulability below which the damping grows
     "alpha",
     "alpha_0",
-    "beta",
-    "lead",
     "timestep",
     "stages",  # callbacks per time step: 1, or 4 under RK4
     "stage",  # callbacks since the time step began
     "step",  # control steps since the cycle began
-    "count",  # of a custom law's parameters
     "speed_limit",  # [rad/s]
     "failed_step",  # control step in which the run diverged, counted from 1; 0 if it has not
     "failed_joint",  # its joint
 )
 
-
-def _numbered(names: list[str]) -> Any:
-    return IntEnum("Header", names, start=0)
-
-
-Header = _numbered([name.upper() for name in (*_SCALARS, *ARRAYS)])
+_HEADER = [name.upper() for name in (*_SCALARS, *ARRAYS)]
+Header: Any = namedtuple("Header", _HEADER)(*range(len(_HEADER)))
 """Index of each number of the header; an array's is where it begins in the block."""
 
 SIGNATURE = 20.14101987
@@ -182,17 +174,9 @@ class Memory:
         self._starts = dict(layout.starts())
         userdata[:, -2] = begin
         userdata[:, -1] = SIGNATURE
-        for name in (
-            "joints",
-            "coordinates",
-            "dofs",
-            "steps",
-            "columns",
-            "three",
-            "six",
-            "more",
-        ):
+        for name in ("joints", "coordinates", "dofs", "columns", "more"):
             self.scalar(name)[:] = getattr(layout, name)
+        self.scalar("parameters_given")[:] = layout.parameters
         self._views: dict[str, np.ndarray] = {}
         for name, start in self._starts.items():
             self.scalar(name)[:] = start
@@ -202,7 +186,7 @@ class Memory:
 
     def scalar(self, name: str) -> np.ndarray:
         """View of a number of the header (robots,)."""
-        return self._block[:, Header[name.upper()]]
+        return self._block[:, getattr(Header, name.upper())]
 
     def block(self, robot: int) -> np.ndarray:
         """View of one robot's block, as the control step is handed it."""
@@ -235,13 +219,11 @@ def block(userdata: np.ndarray) -> np.ndarray:
     return userdata[int(userdata[end]) : end]
 
 
-def vector(memory: np.ndarray, name: int, size: int) -> np.ndarray:
-    """View of the first `size` numbers of an array of the block, `Header.NAME`."""
-    start = int(memory[name])
-    return memory[start : start + size]
+def vector(memory: np.ndarray, start: float, size: int) -> np.ndarray:
+    """View of `size` numbers of the block from `start`."""
+    return memory[int(start) : int(start) + size]
 
 
-def matrix(memory: np.ndarray, name: int, rows: int, columns: int) -> np.ndarray:
-    """View of an array of the block, `Header.NAME`, as (rows, columns)."""
-    start = int(memory[name])
-    return memory[start : start + rows * columns].reshape(rows, columns)
+def matrix(memory: np.ndarray, start: float, rows: int, columns: int) -> np.ndarray:
+    """View of numbers of the block from `start`, as (rows, columns)."""
+    return memory[int(start) : int(start) + rows * columns].reshape(rows, columns)

@@ -26,7 +26,6 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         memory[name][index] = getattr(law, name) if name in plan.law.adapts else 0.0
     memory["parameters"][index] = law.parameters
     memory["q_c"][index] = plan.q_c
-    memory["q_s"][index] = plan.q_s
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["low"][index], memory["high"][index] = bounds.equilibrium
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
@@ -47,7 +46,6 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("difference", chosen.velocity == "difference"),
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
-        ("count", len(law.parameters)),
         ("alpha", law.alpha),
         ("alpha_0", law.alpha_0),
         ("timestep", dt),

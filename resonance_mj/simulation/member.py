@@ -99,7 +99,7 @@ class Member:
                 q=signals["q"],
                 q_desired=memory["q_desired"][index, : len(learned)],
                 springs=springs,
-                q_s=memory["q_s"][index],
+                q_s=plan.q_s,
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
             for name, value in zip(_SPRINGS, springs, strict=True):
