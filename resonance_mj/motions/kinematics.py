@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import NamedTuple
 
@@ -37,12 +36,12 @@ class Kinematics:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self._model = copy.copy(robot.model)
-        self._model.jnt_stiffness[robot.joint_id] = 0.0
+        self._model = robot.model
         self._data = mujoco.MjData(self._model)
         self._data.qpos[:] = robot.qpos
         self._full = np.zeros((6, self._model.nv))
-        self._of_task = np.ix_(robot.coordinate, robot.dof_address)
+        self._of_task = _span(robot.coordinate), _span(robot.dof_address)
+        self._of_q = _span(robot.qpos_address)
         self._body = int(robot.model.site_bodyid[robot.site])
 
     def position(self, q: np.ndarray) -> np.ndarray:
@@ -84,12 +83,12 @@ class Kinematics:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Joint angles of `solve`, the error that is left (m,) and the Jacobian (m, n) there."""
         error, J = self._error(q, x)
-        away, damping, identity = math.sqrt(error @ error), 1e-12, np.eye(len(x))
+        away, damping = math.sqrt(error @ error), 1e-12
         for _ in range(iterations):
             if away < TOLERANCE:
                 break
-            step = J.T @ np.linalg.solve(J @ J.T + damping * identity, error)
-            longest = np.abs(step).max()
+            step = _inverse(J, error, damping)
+            longest = max(map(abs, step.tolist()))
             limited = q + (step if longest <= 0.2 else step * (0.2 / longest))
             new_error, new_J = self._error(limited, x)
             new_away = math.sqrt(new_error @ new_error)
@@ -176,9 +175,10 @@ class Kinematics:
             return f"{i / steps * period:.3f} s into the cycle, at {at}"
 
         guess = self._unfolded(samples.x[0], start)
+        ahead = np.diff(samples.x, axis=0, append=samples.x[:1])
         for i in range(steps):
             q[i], error, J[i] = self._solved(samples.x[i], guess)
-            away = np.linalg.norm(error)
+            away = math.sqrt(error @ error)
             if away > 1e3 * TOLERANCE:
                 raise MotionError(
                     f"{name}: out of the arm's reach {where(i)}: the tool comes no nearer than "
@@ -187,7 +187,7 @@ class Kinematics:
             guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
             if m < n:
                 home = alpha_0 * period / steps * (self.robot.home - q[i])
-                guess = q[i] + home - np.linalg.lstsq(J[i], J[i] @ home, rcond=None)[0]
+                guess = q[i] + home + _inverse(J[i], ahead[i] - J[i] @ home, 1e-12)
         values = np.linalg.svd(J, compute_uv=False)
         i = int(np.argmin(values[:, -1] / values[:, 0]))
         if values[i, -1] < SINGULAR * values[i, 0]:
@@ -217,20 +217,25 @@ class Kinematics:
         Returns:
             Torque (N, n) [N m].
         """
-        robot, data = self.robot, self._data
-        torque = np.empty_like(motion.q)
-        for i in range(len(torque)):
-            data.qpos[robot.qpos_address] = motion.q[i]
-            data.qvel[robot.dof_address] = motion.dq[i]
-            data.qacc[:] = 0.0
-            data.qacc[robot.dof_address] = motion.ddq[i]
-            mujoco.mj_inverse(self._model, data)
-            torque[i] = data.qfrc_inverse[robot.dof_address]
+        robot, model, data = self.robot, self._model, self._data
+        springs = model.jnt_stiffness[robot.joint_id]
+        model.jnt_stiffness[robot.joint_id] = 0.0
+        try:
+            torque = np.empty_like(motion.q)
+            for i in range(len(torque)):
+                data.qpos[robot.qpos_address] = motion.q[i]
+                data.qvel[robot.dof_address] = motion.dq[i]
+                data.qacc[:] = 0.0
+                data.qacc[robot.dof_address] = motion.ddq[i]
+                mujoco.mj_inverse(model, data)
+                torque[i] = data.qfrc_inverse[robot.dof_address]
+        finally:
+            model.jnt_stiffness[robot.joint_id] = springs
         return torque
 
     def _place(self, q: np.ndarray) -> None:
         model, data = self._model, self._data
-        data.qpos[self.robot.qpos_address] = q
+        data.qpos[self._of_q] = q
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
 
@@ -248,7 +253,7 @@ class Kinematics:
 
     def _J(self) -> np.ndarray:  # noqa: N802
         mujoco.mj_jacSite(self._model, self._data, self._full[:3], self._full[3:], self.robot.site)
-        return self._full[self._of_task]
+        return self._task_rows()
 
     def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
         model, data = self._model, self._data
@@ -257,7 +262,11 @@ class Kinematics:
         mujoco.mj_comVel(model, data)
         at = data.site_xpos[self.robot.site]
         mujoco.mj_jacDot(model, data, self._full[:3], self._full[3:], at, self._body)
-        return self._full[self._of_task]
+        return self._task_rows()
+
+    def _task_rows(self) -> np.ndarray:
+        rows, columns = self._of_task
+        return self._full[rows][:, columns].copy()
 
     def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""
@@ -268,6 +277,21 @@ class Kinematics:
             equations.rotation(x[-3:], self.robot.orientation, desired)
             equations.rotation_vector(desired, self._orientation(), error[-3:])
         return error, self._J()
+
+
+def _span(numbers: np.ndarray) -> slice | np.ndarray:
+    """Numbers in a row as a slice, which is faster to index with; others as they are."""
+    first, last = int(numbers[0]), int(numbers[-1]) + 1
+    return slice(first, last) if np.array_equal(numbers, np.arange(first, last)) else numbers
+
+
+def _inverse(J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
+    """J⁺ times a vector, Jᵀ (J Jᵀ + damping I)⁻¹ e, by MuJoCo's Cholesky: m is small."""
+    square, solved = J @ J.T, np.empty_like(error)
+    square.flat[:: len(error) + 1] += damping
+    mujoco.mju_cholFactor(square, 1e-15)
+    mujoco.mju_cholSolve(solved, square, error)
+    return J.T @ solved
 
 
 def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:

@@ -8,9 +8,10 @@ import os
 import platform
 import sys
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -19,7 +20,10 @@ from ..experiments.experiment import Experiment
 from ..experiments.loading import load
 from ..files import replacing, writable
 from ..status import Status
-from . import metrics
+from .motions import MotionOfRun, motions
+
+if TYPE_CHECKING:
+    from ..plan.plan import Plan
 
 
 def versions() -> dict[str, str]:
@@ -48,11 +52,12 @@ class Run:
         data: dims time | cycle | segment, joint, axis; every variable has units. Per time: q, dq,
             x, x_desired, tau, u, y, stiffness, offset, equilibrium, center, tau_optimal. Per cycle:
             torque_squared, tracking_rms, stiffness_per_cycle, offset_per_cycle. Per motion: the
-            optimum. `data.attrs["thinned"]` is 1 if only some cycles' samples were kept;
-            `cycle_of_sample` says which.
+            optimum. `schema.VARIABLES` has them all. `data.attrs["thinned"]` is 1 if only some
+            cycles' samples were kept; `cycle_of_sample` says which.
         steps: time steps simulated.
         simulation_wall_s: wall time of the simulation alone [s].
         versions: of the packages that made it.
+        planned: the plan that was simulated; `plan` has that of any run.
     """
 
     experiment: Experiment
@@ -63,19 +68,46 @@ class Run:
     simulation_wall_s: float
     notes: tuple[str, ...] = ()
     versions: dict[str, str] = field(default_factory=versions)
+    planned: Plan | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """What was known before the first step; built again for a run that was loaded.
+
+        Raises:
+            RobotError: the robot's file is missing or not valid.
+            MotionError: the arm cannot make the motion.
+        """
+        from ..plan.plan import plan_for  # imports MuJoCo, which reading a run does not need
+
+        if self.planned is not None and self.planned.experiment == self.experiment:
+            return self.planned
+        return plan_for(self.experiment)
+
+    @cached_property
+    def motions(self) -> tuple[MotionOfRun, ...]:
+        """The motions of the run, each with its cycles, its optimum and its samples."""
+        return motions(self.data)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the plan, which holds MuJoCo's own memory."""
+        fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return fields | {"planned": None}
 
     def summary(self) -> dict[str, Any]:
         """The dict that is written as summary.json."""
-        return {
-            "name": self.experiment.name,
-            "status": str(self.status),
-            "message": self.message,
-            "notes": list(self.notes),
-            "versions": self.versions,
-            "steps": self.steps,
-            "simulation_wall_s": self.simulation_wall_s,
-            "segments": metrics.segments(self.data),
-        }
+        return finite(
+            {
+                "name": self.experiment.name,
+                "status": str(self.status),
+                "message": self.message,
+                "notes": list(self.notes),
+                "versions": self.versions,
+                "steps": self.steps,
+                "simulation_wall_s": self.simulation_wall_s,
+                "segments": [motion.summary() for motion in self.motions],
+            }
+        )
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Write run.nc, summary.json and experiment.toml into `folder`, which is made if needed.
@@ -98,7 +130,7 @@ class Run:
             )
             data.to_netcdf(path, engine="h5netcdf")
         with replacing(folder / "summary.json") as path:
-            path.write_text(json.dumps(finite(self.summary()), indent=2) + "\n", encoding="utf-8")
+            path.write_text(json.dumps(self.summary(), indent=2) + "\n", encoding="utf-8")
         with replacing(folder / "experiment.toml") as path:
             made_by = "".join(f"# {name} {number}\n" for name, number in self.versions.items())
             path.write_text(

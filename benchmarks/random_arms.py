@@ -1,0 +1,132 @@
+"""The default law on arms that nobody chose: how many cycles it takes, how near it ends.
+
+    python benchmarks/random_arms.py [--arms N] [--seed S]
+
+Each arm has 2 to 7 hinges about random axes, links of 10 to 40 cm and 0.3 to 3 kg, light damping;
+everything else is what the program finds for it. Half of the arms are run again with motors that
+give a quarter more than the optimum needs, or half of what is needed without springs where that is
+more. Prints how many reach the optimum within 10 and 25 cycles, and how many end within 2 % of the
+bounded optimum of the joint motion that they made.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from rich.progress import track
+
+import resonance_mj as rmj
+from resonance_mj.experiments.loading import for_robot
+from resonance_mj.results.cycles import kept
+from resonance_mj.springs.fit import LinearSprings
+from resonance_mj.springs.optimum import best_springs
+
+CYCLES = 25
+
+
+def mjcf(rng: np.random.Generator, limits: np.ndarray | None = None) -> str:
+    """A serial arm as MJCF, of 2 to 7 joints; with the motors' limits (n,) [N m] or without."""
+    joints = int(rng.integers(2, 8))
+    open_bodies, motors = "", ""
+    at = "0 0 0"
+    for j in range(joints):
+        length, mass, damping = rng.uniform(0.1, 0.4), rng.uniform(0.3, 3), rng.uniform(0, 0.05)
+        axis = " ".join(map(str, np.eye(3)[rng.integers(3)]))
+        along = " ".join(f"{x:.4f}" for x in length * np.eye(3)[rng.integers(3)])
+        open_bodies += (
+            f'<body name="link{j}" pos="{at}"><joint name="j{j}" axis="{axis}" '
+            f'damping="{damping:.4f}"/><geom type="capsule" fromto="0 0 0 {along}" size="0.02" '
+            f'mass="{mass:.4f}" contype="0" conaffinity="0"/>'
+        )
+        at = along
+        if limits is not None:
+            motors += f'<motor joint="j{j}" ctrlrange="{-limits[j]:.6g} {limits[j]:.6g}"/>'
+    return (
+        f'<mujoco><worldbody>{open_bodies}<site name="tool" pos="{at}"/>'
+        f"{'</body>' * joints}</worldbody><actuator>{motors}</actuator></mujoco>"
+    )
+
+
+def arms(count: int, seed: int, folder: Path) -> Iterator[tuple[int, rmj.Experiment]]:
+    """Random arms that can make the default motion, with its experiment and the arm's seed."""
+    found, number = 0, seed
+    while found < count:
+        path = folder / f"arm{number}.xml"
+        path.write_text(mjcf(np.random.default_rng(number)))
+        experiment = for_robot(str(path)).replace({"motion.0.duration": float(CYCLES)})
+        try:
+            rmj.optimum(experiment)
+        except rmj.ResonanceError:
+            pass  # no size of the default motion suits it
+        else:
+            found += 1
+            yield number, experiment
+        number += 1
+
+
+def with_limits(number: int, experiment: rmj.Experiment, folder: Path) -> rmj.Experiment:
+    """The same arm with small motors."""
+    (best,) = rmj.optimum(experiment)
+    without, left = (np.abs(t).max(axis=0) for t in (best.torque_without_springs, best.torque))
+    path = folder / f"limited{number}.xml"
+    path.write_text(mjcf(np.random.default_rng(number), np.maximum(1.25 * left, 0.5 * without)))
+    return experiment.replace({"robot.mjcf": str(path)})
+
+
+def nearness(run: rmj.Run) -> float:
+    """torque² of the last cycle over that of the bounded optimum of the joint motion made."""
+    last = kept(run)[-1]
+    acting = LinearSprings(last.stiffness, last.offset, last.center)
+    best = best_springs(
+        last.q,
+        last.tau + acting.torque(last.q),
+        center=last.q.mean(axis=0),
+        period=run.experiment.motion[0].period,
+        bounds=run.experiment.springs,
+    )
+    return float((last.tau**2).sum(axis=1).mean() / best.torque_squared)
+
+
+def row(name: str, runs: list[rmj.Run]) -> str:
+    """A line of the table."""
+    reached = [run.motions[0].cycles_to_optimum for run in runs]
+    ok = [run for run in runs if run.status is rmj.Status.OK]
+    tracked = [run for run in ok if run.motions[0].tracking_rms[-1] < 1.5e-3]
+    counts = [
+        sum(cycle is not None and cycle <= most for cycle in reached) for most in (10, CYCLES)
+    ]
+    near = sum(nearness(run) < 1.02 for run in ok)
+    cells = (*counts, near, len(tracked), len(runs) - len(ok))
+    shares = " | ".join(f"{n} ({100 * n / len(runs):.0f} %)" for n in cells)
+    return f"| {name} | {len(runs)} | {shares} |"
+
+
+def main() -> None:
+    """Run the arms and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--arms", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        free, limited = [], []
+        for number, experiment in track(
+            arms(options.arms, options.seed, folder), total=options.arms
+        ):
+            free.append(rmj.simulate(experiment))
+            if len(free) % 2:
+                limited.append(rmj.simulate(with_limits(number, experiment, folder)))
+    print(
+        "| motors | arms | at the optimum by cycle 10 | by cycle 25 | within 2 % of the optimum of "
+        "the motion made | RMS below 1.5 mm | diverged |\n|---|---|---|---|---|---|---|"
+    )
+    print(row("without limits", free))
+    print(row("a quarter more than the optimum needs", limited))
+
+
+if __name__ == "__main__":
+    main()

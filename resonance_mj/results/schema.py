@@ -1,0 +1,99 @@
+"""The one table of what a run holds: dimensions, units and meaning of every variable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+
+class Variable(NamedTuple):
+    """A variable of a run's dataset."""
+
+    dims: tuple[str, ...]
+    units: str
+    meaning: str
+
+
+SAMPLE, CYCLE, MOTION = ("time",), ("cycle",), ("segment",)
+PER_JOINT, PER_AXIS = ("time", "joint"), ("time", "axis")
+CYCLE_JOINT, MOTION_JOINT = ("cycle", "joint"), ("segment", "joint")
+
+COORDINATES = {
+    "time": Variable(SAMPLE, "s", "time"),
+    "cycle": Variable(CYCLE, "1", "number of the cycle, from 1"),
+    "segment": Variable(MOTION, "1", "number of the motion, from 1"),
+    "joint": Variable(("joint",), "1", "name of the joint"),
+    "slides": Variable(("joint",), "1", "1 for a slide joint"),
+    "axis": Variable(("axis",), "1", "coordinate of the task"),
+    "cycle_of_sample": Variable(SAMPLE, "1", "cycle that a sample belongs to"),
+    "segment_of_sample": Variable(SAMPLE, "1", "motion that a sample belongs to"),
+    "segment_of_cycle": Variable(CYCLE, "1", "motion that a cycle repeats"),
+    "passage": Variable(CYCLE, "1", "1 for a cycle of the passage into a motion"),
+}
+
+VARIABLES = {
+    "q": Variable(PER_JOINT, "rad", "joint angle"),
+    "dq": Variable(PER_JOINT, "rad/s", "joint velocity"),
+    "x": Variable(PER_AXIS, "m", "tool position"),
+    "x_desired": Variable(PER_AXIS, "m", "desired tool position x_d"),
+    "y": Variable(PER_JOINT, "rad/s", "error signal (8)"),
+    "tau": Variable(PER_JOINT, "N m", "motor torque (4)"),
+    "u": Variable(PER_JOINT, "N m", "learned torque (9)"),
+    "stiffness": Variable(PER_JOINT, "N m/rad", "stiffness k (6)"),
+    "offset": Variable(PER_JOINT, "N m", "offset torque q_e bar (7) about the center"),
+    "equilibrium": Variable(PER_JOINT, "rad", "equilibrium angle q_e of the spring"),
+    "center": Variable(PER_JOINT, "rad", "center q_c of the offset torque"),
+    "tau_optimal": Variable(PER_JOINT, "N m", "motor torque with the optimal springs, tau_dopt"),
+    "torque_squared": Variable(CYCLE, "N^2 m^2", "mean of tau^T tau over the cycle"),
+    "torque_reduction": Variable(CYCLE, "1", "1 - torque_squared / that without springs"),
+    "torque_share": Variable(CYCLE, "1", "torque_reduction / that of the optimum"),
+    "tracking_rms": Variable(CYCLE, "m", "root mean square of the position error"),
+    "rotation_rms": Variable(CYCLE, "rad", "root mean square of the rotation error"),
+    "singular_value": Variable(CYCLE, "m/rad", "smallest singular value of J"),
+    "stiffness_per_cycle": Variable(CYCLE_JOINT, "N m/rad", "stiffness at the end of the cycle"),
+    "offset_per_cycle": Variable(CYCLE_JOINT, "N m", "offset torque at the end of the cycle"),
+    "equilibrium_per_cycle": Variable(CYCLE_JOINT, "rad", "q_e at the end of the cycle"),
+    "center_per_cycle": Variable(CYCLE_JOINT, "rad", "center q_c during the cycle"),
+    "stiffness_optimal": Variable(MOTION_JOINT, "N m/rad", "stiffness of the optimal springs"),
+    "offset_optimal": Variable(MOTION_JOINT, "N m", "offset of the optimal springs"),
+    "equilibrium_optimal": Variable(MOTION_JOINT, "rad", "q_e of the optimal springs"),
+    "torque_squared_optimal": Variable(MOTION, "N^2 m^2", "torque_squared of the optimum"),
+    "torque_squared_without_springs": Variable(MOTION, "N^2 m^2", "the same without springs"),
+    "start": Variable(MOTION, "s", "start of the motion"),
+    "end": Variable(MOTION, "s", "end of the motion"),
+    "period": Variable(MOTION, "s", "cycle time T"),
+}
+
+OPTIONAL = ("rotation_rms",)
+"""Variables that only runs of a task with rotation have."""
+
+OF_SLIDES = {"rad": "m", "rad/s": "m/s", "N m": "N", "N m/rad": "N/m"}
+"""Units of a hinge joint's variables, and of a slide joint's."""
+
+
+def dataset(
+    values: Mapping[str, Any], *, units: Mapping[str, str] | None = None, thinned: bool
+) -> xr.Dataset:
+    """The dataset of a run, built at once.
+
+    Args:
+        values: by the names of `COORDINATES` and `VARIABLES`, all but what `OPTIONAL` allows.
+        units: of variables in which they differ from the table.
+        thinned: whether only some cycles' samples are among them.
+    """
+    mixed = bool(np.any(values["slides"]))
+
+    def entry(name: str, about: Variable) -> tuple[Any, ...]:
+        unit = (units or {}).get(name, about.units)
+        if mixed and "joint" in about.dims and unit in OF_SLIDES:
+            unit = f"{unit}; {OF_SLIDES[unit]} for slide joints"
+        return about.dims, values[name], {"units": unit, "long_name": about.meaning}
+
+    return xr.Dataset(
+        {name: entry(name, about) for name, about in VARIABLES.items() if name in values},
+        {name: entry(name, about) for name, about in COORDINATES.items()},
+        {"thinned": int(thinned)},
+    )
