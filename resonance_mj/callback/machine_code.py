@@ -7,6 +7,7 @@ import ctypes
 import hashlib
 from collections.abc import Callable
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -31,32 +32,42 @@ def load(key: bytes, translate: Callable[[], tuple[str, str]]) -> int:
 
     Note:
         The code is in the user's cache folder, $XDG_CACHE_HOME/resonance-mj on Linux. Where that
-        cannot be written, each process compiles anew.
+        cannot be written, or a user has no home, each process compiles anew.
     """
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     processor, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     everything = (processor, features, version("numba"), version("llvmlite"), version("numpy"))
     digest = hashlib.sha256(key + repr(everything).encode()).hexdigest()[:24]
-    path = user_cache_path("resonance-mj") / f"control-{digest}.o"
+    path = _kept(f"control-{digest}.o")
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=processor, features=features, opt=3, codemodel="jitdefault", jit=True
     )
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     try:
-        needs, code = _parts(path.read_bytes())
+        needs, code = _parts(path.read_bytes() if path else b"")
     except (OSError, ValueError):
         written = _compiled(machine, *translate())
-        with contextlib.suppress(OutputError):
-            writable(path.parent)
-            with replacing(path) as beside:
-                beside.write_bytes(written)
+        if path:
+            with contextlib.suppress(OutputError):
+                writable(path.parent)
+                with replacing(path) as beside:
+                    beside.write_bytes(written)
         needs, code = _parts(written)
     _define_missing(needs)
     engine.add_object_file(code)
     engine.finalize_object()
     _loaded.append(engine)
     return int(engine.get_function_address(_NAME))
+
+
+def _kept(name: str) -> Path | None:
+    """Where a file is kept in the user's cache folder; None for a user who has no home."""
+    try:
+        path = user_cache_path("resonance-mj") / name
+    except RuntimeError:
+        return None
+    return path if path.is_absolute() else None
 
 
 def _parts(written: bytes) -> tuple[list[str], Any]:
