@@ -1,4 +1,4 @@
-"""Tables as TOML, in a time that grows with their length."""
+"""Tables as TOML: in linear time, which tomlkit is not, and a list on a line, unlike tomli-w."""
 
 from __future__ import annotations
 
