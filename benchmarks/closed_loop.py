@@ -29,9 +29,9 @@ import resonance_mj as rmj
 from resonance_mj.callback.callback import installed
 from resonance_mj.laws import controller
 from resonance_mj.laws.memory import Memory
-from resonance_mj.plan.plan import Prepared, prepare
-from resonance_mj.simulation.loading import load_law, load_motion
-from resonance_mj.simulation.simulation import between_cycles
+from resonance_mj.plan.plan import Plan, plan_for
+from resonance_mj.simulation.member import Member
+from resonance_mj.simulation.stepper import Alone
 
 COMPILED_TARGET = 1.25
 """Most that the compiled law may cost, as a multiple of the bare loop."""
@@ -49,16 +49,14 @@ WARM_UP = 3
 class Arm:
     """The closed loop of one experiment, stepped by hand, that can return to a saved state."""
 
-    def __init__(self, prepared: Prepared) -> None:
-        self.prepared = prepared
-        self.model = prepared.robot.model
-        self.data = mujoco.MjData(self.model)
-        self.data.qpos[:] = prepared.robot.qpos
-        self.cycle = prepared.steps(0)
-        self.memory = Memory(self.data.userdata[None], prepared.robot.layout)
-        load_law(self.memory, 0, prepared)
-        load_motion(self.memory, 0, prepared, 0)
-        self.write_springs()
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.model = plan.robot.model
+        stepper = Alone([self.model])
+        self.data, self.cycle = stepper.data, plan.steps(0)
+        self.memory = Memory(stepper.userdata, plan.layout)
+        self.member = Member(plan, self.memory, stepper, 0)
+        self.member.begin_cycle(0)
 
     def write_springs(self) -> None:
         """Put the springs of the memory into the model, as at the start of a cycle."""
@@ -70,9 +68,8 @@ class Arm:
         """Run whole cycles with learning, and keep the state at the end of the last."""
         for cycle in range(cycles):
             mujoco.mj_step(self.model, self.data, self.cycle)
-            between_cycles(self.memory, [0], [self.prepared], cycle)
-            load_motion(self.memory, 0, self.prepared, cycle + 1)
-            self.write_springs()
+            self.member.end_cycle(cycle)
+            self.member.begin_cycle(cycle + 1)
             self.memory.scalar("step")[:] = 0
         self._state = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, self._state, mujoco.mjtState.mjSTATE_INTEGRATION)
@@ -89,10 +86,10 @@ def numpy_loop(arm: Arm, steps: int) -> np.ndarray:
     Returns:
         The torque of each step (steps, n) [N m].
     """
-    model, data, robot = arm.model, arm.data, arm.prepared.robot
-    law = arm.prepared.experiment.law
+    model, data, robot = arm.model, arm.data, arm.plan.robot
+    law = arm.plan.experiment.law
     gamma_k, gamma_qe = np.array(law.gamma_k), np.array(law.gamma_qe)
-    k_v, k_p, alpha, q_c = np.array(law.k_v), np.array(law.k_p), law.alpha, arm.prepared.q_c
+    k_v, k_p, alpha, q_c = np.array(law.k_v), np.array(law.k_p), law.alpha, arm.plan.q_c
     dt, inverse = model.opt.timestep, law.jacobian == "inverse"
     x_desired, dx_desired = arm.memory["x_desired"][0], arm.memory["dx_desired"][0]
     learned = arm.memory["learned"][0]
@@ -200,7 +197,7 @@ def main() -> None:
         parser.error(f"--rounds {options.rounds}: at least 1 is needed")
     try:
         experiment = rmj.load(options.experiment)
-        arm = Arm(prepare(experiment))
+        arm = Arm(plan_for(experiment))
     except rmj.ResonanceError as error:
         parser.error(str(error))
     steps = arm.cycle if options.steps is None else options.steps

@@ -16,9 +16,7 @@ from typing import Any
 import numpy as np
 
 import resonance_mj as rmj
-from resonance_mj.motions.kinematics import Kinematics
-from resonance_mj.robots.robot import build
-from resonance_mj.springs.optimum import follow
+from resonance_mj.plan.plan import plan_for
 
 LINK_1, LINK_2 = 0.3, 0.25
 """Lengths of the links [m], Sec. VI-A."""
@@ -226,8 +224,8 @@ def half_a_step(experiment: rmj.Experiment) -> float:
 
     It is the periodic solution of d(Δx)/dt + α Δx = (Δt/2) J q̈_d.
     """
-    robot = build(experiment)
-    motion, kinematics = follow(experiment, robot)[0], Kinematics(robot)
+    plan = plan_for(experiment)
+    motion, kinematics = plan.joints[0], plan.kinematics
     dt = experiment.simulation.timestep
     pushed = [
         kinematics.jacobian(q) @ ddq * dt / 2 for q, ddq in zip(motion.q, motion.ddq, strict=True)

@@ -27,8 +27,7 @@ from resonance_mj.laws.stability.divergence import POSES, Divergence, divergence
 from resonance_mj.laws.stability.stability import learning_loop
 from resonance_mj.pictures.figures.style import STYLE
 from resonance_mj.pictures.palette import MUTED
-from resonance_mj.plan.plan import prepare
-from resonance_mj.springs.optimum import follow
+from resonance_mj.plan.plan import plan_for
 
 BETAS = (1.0, 3.0, 10.0)
 LEADS = (0, 1, 2)
@@ -85,9 +84,8 @@ class Case:
 def case(motion: int, changes: Changes, cycles: int) -> Case:
     """A case with its prediction, and as many cycles as it takes to see it, at most `cycles`."""
     law = rmj.load("paper-centered").replace(changes).law
-    one = prepare(alone(motion, cycles, changes))
-    joints = follow(one.experiment, one.robot)
-    (why,) = divergences(one.experiment, one.robot, one.gains, joints, one.optima)
+    one = plan_for(alone(motion, cycles, changes))
+    (why,) = divergences(one.experiment, one.loaded, one.gains, one.joints, one.optima, one.q_c)
     needed = cycles if why is None else min(cycles, int(LATER * why.onset.cycle) + 20)
     return Case(motion, law.beta, law.lead, law.harmonics, why, alone(motion, needed, changes))
 
@@ -171,12 +169,12 @@ def figure(of: Sequence[Case]) -> Figure:
 
 
 def _multipliers(axes: Axes, motion: int, beta: float) -> None:
-    one = prepare(alone(motion, 2, {"law.beta": beta}))
-    (joints,), (best,) = follow(one.experiment, one.robot), one.optima
+    one = plan_for(alone(motion, 2, {"law.beta": beta}))
+    (joints,), (best,) = one.joints, one.optima
     steps = len(joints.q)
     arm = sampled_loop.along(
         one.experiment,
-        one.robot,
+        one.kinematics,
         one.gains,
         joints.q[np.arange(POSES) * steps // POSES],
         stiffness=best.stiffness,

@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from .pictures.film.video import render
     from .pictures.page.report import report
     from .pictures.viewer.view import view
+    from .plan.plan import optimum
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
-    from .springs.optimum import Optimum, optimum
+    from .springs.optimum import Optimum
 
 _HOMES = {
     "Certificate": "evaluation.certificates.claims",
@@ -30,7 +31,7 @@ _HOMES = {
     "load": "experiments.loading",
     "Look": "pictures.film.look",
     "Optimum": "springs.optimum",
-    "optimum": "springs.optimum",
+    "optimum": "plan.plan",
     "plot": "pictures.figures.plot",
     "report": "pictures.page.report",
     "Run": "results.run",

@@ -8,8 +8,8 @@ import resonance_mj as rmj
 from resonance_mj.experiments.law_section import KINDS
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.laws import laws, learning
-from resonance_mj.laws.automatic_gains import gains
-from resonance_mj.plan.plan import prepare
+from resonance_mj.laws.gains import gains
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
 from resonance_mj.simulation.loading import TELL
 
@@ -203,9 +203,9 @@ def test_a_passage_that_cannot_be_made_is_refused_before_the_first_step():
     ]
     motions[0]["offset"], motions[1]["offset"] = (-0.3, 0.0), (0.3, 0.0)
     changed = paper.replace({"motion": motions})
-    prepare(changed)
+    _ = plan_for(changed).notes
     with pytest.raises(rmj.ResonanceError, match=r"passage to motion.1: "):
-        prepare(changed.replace({"law.kind": "computed-torque"}))
+        rmj.simulate(changed.replace({"law.kind": "computed-torque"}))
 
 
 @pytest.mark.parametrize("kind", ["fedback", "Paper", ""])

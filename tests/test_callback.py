@@ -11,7 +11,7 @@ from resonance_mj.callback.callback import installed
 from resonance_mj.errors import CallbackError
 from resonance_mj.laws import controller
 from resonance_mj.laws.memory import Memory
-from resonance_mj.plan.plan import prepare
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
 from resonance_mj.simulation.loading import load_law, load_motion
 
@@ -306,14 +306,14 @@ def test_numbers_that_a_model_s_author_keeps_in_userdata_are_untouched(tmp_path)
     text = TWO_LINK.read_text(encoding="utf-8")
     mjcf.write_text(text.replace("<worldbody>", '<size nuserdata="5"/><worldbody>', 1))
     experiment = short({"robot.mjcf": str(mjcf)})
-    one = prepare(experiment)
+    one = plan_for(experiment)
     model = one.robot.model
-    assert model.nuserdata == 5 + one.robot.layout.size
+    assert model.nuserdata == 5 + one.layout.size
 
     data = mujoco.MjData(model)
     data.userdata[:5] = notes = [3.0, 1.0, 4.0, 1.0, 5.0]
     data.qpos[:] = one.robot.qpos
-    memory = Memory(data.userdata[None], one.robot.layout)
+    memory = Memory(data.userdata[None], one.layout)
     load_law(memory, 0, one)
     load_motion(memory, 0, one, 0)
     controller.write_springs(memory.block(0), model.jnt_stiffness, model.qpos_spring)

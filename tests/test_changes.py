@@ -6,9 +6,9 @@ from two_link import G, jacobian, jacobian_rate
 
 import resonance_mj as rmj
 from resonance_mj import library
-from resonance_mj.laws.automatic_gains import gains
+from resonance_mj.laws.gains import gains
 from resonance_mj.motions.kinematics import JointMotion, Kinematics
-from resonance_mj.plan.plan import prepare
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
 
 ELLIPSE = {"period": 1.0, "center": [-0.3, 0.0], "size": [0.05, 0.1]}
@@ -127,7 +127,7 @@ def test_a_payload_of_zero_is_no_payload():
 
 def test_the_law_is_not_told_of_a_payload():
     """No number that it is tuned by or remembers at the start knows it."""
-    light, heavy = (prepare(arm({"payload": mass})) for mass in (0.0, 1.5))
+    light, heavy = (plan_for(arm({"payload": mass})) for mass in (0.0, 1.5))
     for name in ("feedback", "learning", "k_v", "k_p"):
         mine = getattr(gains(heavy.experiment, heavy.robot), name)
         np.testing.assert_array_equal(mine, getattr(light.gains, name))

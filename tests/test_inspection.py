@@ -8,8 +8,8 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.evaluation.inspection import inspect
 from resonance_mj.experiments.loading import for_robot
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
-from resonance_mj.springs.optimum import follow, resolved
 
 SERVOS = """
 <mujoco>
@@ -93,8 +93,7 @@ def test_inertia_damping_and_reach_are_those_of_the_papers_arm(paper):
 
 def test_peak_speed_and_torque_are_those_of_the_papers_equations_of_motion(paper):
     experiment = for_robot("two_link.xml")
-    robot = build(experiment)
-    (joints,) = follow(resolved(experiment, robot), robot)
+    (joints,) = plan_for(experiment).joints
     torque = two_link.inverse_dynamics(joints.q, joints.dq, joints.ddq)
     peaks = [(joint.peak_speed, joint.peak_torque) for joint in paper.joints]
     assert np.allclose(peaks, np.abs([joints.dq, torque]).max(axis=1).T, rtol=1e-6)
@@ -151,7 +150,7 @@ def test_the_file_that_toml_prints_holds_what_would_be_found_without_it(
     loaded, plain = rmj.load(path), for_robot(robot)
     assert loaded == inspect(plain).experiment
     given, found = build(loaded), build(plain)
-    assert resolved(plain, found).motion == loaded.motion
+    assert plan_for(plain).experiment.motion == loaded.motion
     assert (given.joints, given.axes) == (found.joints, found.axes)
     assert np.array_equal(given.home, found.home)
     assert np.array_equal(given.inertia, found.inertia)

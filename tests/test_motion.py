@@ -12,8 +12,8 @@ from resonance_mj.experiments.motion_section import Motion
 from resonance_mj.motions import angular, default_motion, motion
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.motions.motion import blended, resolve, sample
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
-from resonance_mj.springs import optimum as optimal_springs
 
 SIX_JOINTS = """
 <mujoco>
@@ -509,13 +509,14 @@ def test_messages_name_the_experiment_and_the_motion():
 def test_a_motion_without_a_size_is_reachable_with_margin_and_always_the_same(shape):
     plain = rmj.load("paper").replace({"motion": [{"shape": shape}], "robot.home": None})
     robot = build(plain)
-    one = optimal_springs.resolved(plain, robot)
-    assert one == optimal_springs.resolved(plain, build(plain))
+    plan = plan_for(plain)
+    one = plan.experiment
+    assert one == plan_for(plain).experiment
     a, b = one.motion[0].size
     assert a == 2 * b
     assert 0.01 < a <= default_motion.SHARE * default_motion.reach(robot)
     assert np.isclose(default_motion.reach(robot), 0.55)  # The paper's links, 0.3 m and 0.25 m.
-    (joints,) = optimal_springs.follow(one, robot)
+    (joints,) = plan.joints
     kinematics = Kinematics(robot)
 
     def conditioning(q):

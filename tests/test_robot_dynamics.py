@@ -7,8 +7,8 @@ import two_link
 
 import resonance_mj as rmj
 from resonance_mj.motions.kinematics import Kinematics
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import INTEGRATORS, build
-from resonance_mj.springs.optimum import follow
 
 MOTIONS = (two_link.first_motion, two_link.second_motion)
 
@@ -24,8 +24,8 @@ def robot(experiment):
 
 
 @pytest.fixture(scope="module")
-def joint_motions(experiment, robot):
-    return follow(experiment, robot)
+def joint_motions(experiment):
+    return plan_for(experiment).joints
 
 
 def states(count, seed=1):

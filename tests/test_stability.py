@@ -9,12 +9,10 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import StabilityError
 from resonance_mj.laws import equations
-from resonance_mj.laws.automatic_gains import gains
 from resonance_mj.laws.stability import sampled_loop, stability
 from resonance_mj.laws.stability.divergence import POSES, divergences
-from resonance_mj.plan.plan import prepare
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
-from resonance_mj.springs.optimum import follow
 
 PENDULUM = """
 <mujoco>
@@ -78,14 +76,13 @@ def measured_response(experiment, folder, size):
 
 
 def predicted_response(experiment):
-    robot = build(experiment)
-    (joints,) = follow(experiment, robot)
+    plan = plan_for(experiment)
     loop = sampled_loop.along(
         experiment,
-        robot,
-        gains(experiment, robot),
-        joints.q[:1],
-        stiffness=np.broadcast_to(experiment.springs.initial_stiffness, robot.n),
+        plan.kinematics,
+        plan.gains,
+        plan.joints[0].q[:1],
+        stiffness=np.broadcast_to(experiment.springs.initial_stiffness, plan.robot.n),
         q_c=np.asarray(experiment.law.q_c),
     )
     z = stability.on_circle(np.array(HARMONICS), 1000)
@@ -137,8 +134,7 @@ def test_the_sampled_response_of_two_joints_is_that_of_mujoco_for_each_feedback(
         [-0.3, 0.0],
         {"law.gamma_k": 0.0, "law.gamma_qe": 0.0, "law.q_c": [0.0, 0.0]} | law,
     )
-    robot = build(experiment)
-    start = follow(experiment, robot)[0].q[0]
+    start = plan_for(experiment).joints[0].q[0]
     experiment = experiment.replace({"robot.home": start.tolist()})
     measured, predicted = measured_response(experiment, tmp_path, 2), predicted_response(experiment)
     largest = np.abs(predicted).max(axis=(1, 2), keepdims=True)
@@ -192,20 +188,19 @@ def alone(motion, cycles, changes=(), shift=0.0):
 
 
 def prediction(experiment):
-    one = prepare(experiment)
-    found = follow(one.experiment, one.robot)
-    (why,) = divergences(one.experiment, one.robot, one.gains, found, one.optima)
+    one = plan_for(experiment)
+    (why,) = divergences(one.experiment, one.loaded, one.gains, one.joints, one.optima, one.q_c)
     return why
 
 
 def loops(experiment):
     """The sampled arm at every time step of its motion, and the loop of learning from some."""
-    one = prepare(experiment)
-    (joints,), (best,) = follow(one.experiment, one.robot), one.optima
+    one = plan_for(experiment)
+    (joints,), (best,) = one.joints, one.optima
 
     def along(q):
         return sampled_loop.along(
-            one.experiment, one.robot, one.gains, q, stiffness=best.stiffness, q_c=one.q_c
+            one.experiment, one.kinematics, one.gains, q, stiffness=best.stiffness, q_c=one.q_c
         )
 
     steps = len(joints.q)
@@ -346,7 +341,7 @@ def test_what_is_said_not_to_diverge_does_not():
 
 
 def said(changes, name="paper"):
-    return prepare(rmj.load(name).replace(changes)).unstable
+    return plan_for(rmj.load(name).replace(changes)).unstable
 
 
 def test_the_law_as_printed_is_said_to_diverge_after_the_cycles_of_its_run():
@@ -355,7 +350,7 @@ def test_the_law_as_printed_is_said_to_diverge_after_the_cycles_of_its_run():
     assert "ends at cycle 40: with law.beta = 1 and law.lead = 0 harmonics of 1/T from " in first
     assert "500 (500 Hz) fastest, by 2.7 % in a cycle; law.lead = 1 or law.harmonics" in first
     assert "motion.1" in second
-    assert set(prepare(rmj.load("paper")).notes) >= {first, second}
+    assert set(plan_for(rmj.load("paper")).notes) >= {first, second}
 
 
 def test_where_no_lead_is_enough_a_lead_with_a_smaller_gain_is_said():

@@ -1,13 +1,18 @@
 """Transfer between two cycles: the spring takes over, the total torque stays as it is."""
 
 import math
+from collections import namedtuple
 
 import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj.experiments.sections import Springs
 from resonance_mj.laws import learning
 from resonance_mj.springs import spring as springs
+from resonance_mj.springs.fit import LinearSprings
+
+Found = namedtuple("Found", "u stiffness offset center")
 
 UNBOUNDED = ((-math.inf, math.inf), (-math.inf, math.inf))
 PHYSICAL = ((0.0, math.inf), (-math.pi, math.pi))
@@ -26,9 +31,17 @@ def cycle(seed, n=3, steps=200):
 
 
 def transfer(signals, bounds=UNBOUNDED, **options):
-    gain = np.diag(np.linspace(0.5, 2.0, signals[0].shape[1]))
-    options = {"gain": gain, "lead": 1, "harmonics": None, "bounds": bounds} | options
-    return learning.transfer(*signals, **options), options
+    u, y, q, *springs = signals
+    gain = np.diag(np.linspace(0.5, 2.0, u.shape[1]))
+    options = {"gain": gain, "lead": 1, "harmonics": None} | options
+    v = learning.learned_torque(u, y, **options)
+    u, springs = learning.transfer(
+        v,
+        q,
+        LinearSprings(*springs),
+        Springs.model_construct(stiffness=bounds[0], equilibrium=bounds[1]),
+    )
+    return Found(u, *springs), options
 
 
 @pytest.mark.parametrize("bounds", [UNBOUNDED, PHYSICAL])
@@ -148,18 +161,7 @@ def test_a_joint_that_stands_still_gives_up_its_stiffness_and_keeps_its_torque()
     phase = 2 * np.pi * np.arange(100)[:, None] / 100
     q, u = 1e-6 * np.sin(phase), 3.0 + np.sin(phase)
     k, offset, center = np.array([5.0]), np.array([0.25]), np.array([0.0])
-    found = learning.transfer(
-        u,
-        np.zeros_like(u),
-        q,
-        k,
-        offset,
-        center,
-        gain=np.eye(1),
-        lead=1,
-        harmonics=None,
-        bounds=((-np.inf, np.inf), (-np.inf, np.inf)),
-    )
+    found, _ = transfer((u, np.zeros_like(u), q, k, offset, center))
     np.testing.assert_array_equal(found.stiffness, 0.0)
     np.testing.assert_allclose(found.offset, 3.25)
     before = u + offset - k * (q - center)

@@ -17,7 +17,7 @@ from resonance_mj.pictures.viewer import display as displays
 from resonance_mj.pictures.viewer import live as living
 from resonance_mj.pictures.viewer.clock import Clock
 from resonance_mj.pictures.viewer.replay import frame
-from resonance_mj.plan.plan import prepare
+from resonance_mj.plan.plan import plan_for
 
 GREY_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1 0"/>
 <geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/><body name="fore" pos=".3 0 0">
@@ -78,7 +78,7 @@ def pretended(monkeypatch):
 
 @pytest.fixture(scope="module")
 def prepared():
-    return prepare(rmj.load("paper").replace(SHORT))
+    return plan_for(rmj.load("paper").replace(SHORT))
 
 
 @pytest.fixture(scope="module")
@@ -149,7 +149,7 @@ def test_payloads_and_passages_are_watched_as_they_are_simulated(pretended):
         for i, motion in enumerate(experiment.motion)
     }
     experiment = experiment.replace(cycles)
-    one = prepare(experiment)
+    one = plan_for(experiment)
     assert one.robot.payload is not None
     assert one.passages
     assert live(one, 5.0).data.equals(rmj.simulate(experiment).data)

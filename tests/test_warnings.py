@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.plan.plan import prepare
+from resonance_mj.plan.plan import plan_for
 
 
 def notes(changes):
-    return prepare(rmj.load("paper").replace(changes)).notes
+    return plan_for(rmj.load("paper").replace(changes)).notes
 
 
 def said(lines, words):

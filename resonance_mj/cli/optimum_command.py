@@ -18,12 +18,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
-    from ..robots import robot
-    from ..springs.optimum import along, follow, resolved
+    from ..plan.plan import plan_for
     from . import tables
 
-    arm = robot.build(experiment)
-    experiment = resolved(experiment, arm)
-    best = along(experiment, arm, follow(experiment, arm))
-    console().print(tables.optimum(experiment, arm, best))
+    plan = plan_for(experiment)
+    console().print(tables.optimum(plan.experiment, plan.robot, plan.optima))
     return DONE

@@ -14,14 +14,13 @@ import tomlkit
 
 from ..experiments.experiment import Experiment
 from ..experiments.keys import describe
-from ..laws import automatic_gains as automatic
 from ..laws.gains import Gains
 from ..motions import default_motion
-from ..motions.kinematics import JointMotion, Kinematics
-from ..plan import notes as warnings
+from ..motions.kinematics import JointMotion
+from ..plan.plan import plan_for
 from ..robots import mjcf
-from ..robots.robot import Robot, build
-from ..springs.optimum import Optimum, along, follow, resolved
+from ..robots.robot import Robot
+from ..springs.optimum import Optimum
 
 
 @dataclass(frozen=True)
@@ -120,13 +119,10 @@ def inspect(experiment: Experiment) -> Inspection:
         RobotError: the robot cannot be loaded.
         MotionError: the arm cannot follow the motion.
     """
-    robot = build(experiment)
-    complete = resolved(experiment, robot)
-    found = follow(complete, robot)
-    optima = along(complete, robot, found)
-    gains = automatic.gains(complete, robot)
-    kinematics = Kinematics(robot)
-    values = [np.linalg.svd(kinematics.jacobian(q), compute_uv=False) for q in found[0].q]
+    plan = plan_for(experiment)
+    robot, complete, gains = plan.robot, plan.experiment, plan.gains
+    found, optima = plan.joints, plan.optima
+    values = [np.linalg.svd(plan.kinematics.jacobian(q), compute_uv=False) for q in found[0].q]
     tool = _tool(robot)
     chosen = [note for note in robot.notes if note.startswith("tool: ")]
     return Inspection(
@@ -140,11 +136,7 @@ def inspect(experiment: Experiment) -> Inspection:
         conditioning=np.array([one[-1] / one[0] for one in values]),
         gains=gains,
         torque_reduction=optima[0].torque_reduction,
-        notes=(
-            *robot.notes,
-            *warnings.before(complete, robot, found, optima),
-            *warnings.unstable(complete, robot, gains, found, optima),
-        ),
+        notes=plan.notes,
     )
 
 

@@ -1,10 +1,20 @@
-"""The gains of a law, as one robot has them."""
+"""The gains of a law on a robot: given by hand, or found from its inertia and the time step."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+
+from ..experiments.experiment import Experiment
+from ..experiments.law_section import Law
+from ..robots.robot import Robot
+
+BANDWIDTH = 60.0
+"""Feedback bandwidth ω [1/s] at time steps that allow it."""
+
+HARMONICS = 20
+"""Harmonics of 1/T that the learned torque keeps, where the cycle has as many."""
 
 
 @dataclass(frozen=True)
@@ -34,3 +44,56 @@ class Gains:
     learning: np.ndarray
     lead: int
     harmonics: int | None
+
+
+def gains(experiment: Experiment, robot: Robot) -> Gains:
+    """The gains of an experiment on its robot, with what it leaves open filled in.
+
+    Without K_v and K_p the feedback is -ω M̂ y with M̂ = M(q_home), so that one number serves
+    every robot; without β the law learns η times the feedback torque itself.
+    """
+    law, n, m = experiment.law, robot.n, robot.m
+    dt = experiment.simulation.timestep
+    by_hand = law.k_v is not None or law.k_p is not None
+    # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
+    omega = law.omega if law.omega is not None else min(BANDWIDTH, 0.1 / dt)
+    k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
+    inertial = omega * robot.inertia
+    feedback = np.zeros((n, n)) if by_hand else inertial
+    feedback_p = np.zeros((n, n))
+    if law.follows_joints:
+        feedback, feedback_p = _in_joint_space(law, robot, k_v, k_p, inertial)
+        k_v = k_p = np.zeros(m)
+    learning = law.eta * inertial if law.beta is None else law.beta * np.eye(n)
+    steps = min(motion.steps(dt) for motion in experiment.motion)
+    harmonics = law.harmonics
+    if harmonics is None and not law.printed:
+        harmonics = min(HARMONICS, steps // 4)
+    square = "inverse" if law.printed and m == n else "damped"
+    semi_implicit = experiment.simulation.integrator != "RK4"
+    return Gains(
+        jacobian=law.jacobian or square,
+        velocity=law.velocity
+        or ("difference" if semi_implicit and not law.printed else "jacobian"),
+        k_v=k_v,
+        k_p=k_p,
+        feedback=feedback,
+        feedback_p=feedback_p,
+        omega=omega,
+        learning=learning,
+        lead=law.lead if law.lead is not None else (0 if law.printed else 1),
+        harmonics=harmonics,
+    )
+
+
+def _in_joint_space(
+    law: Law, robot: Robot, k_v: np.ndarray, k_p: np.ndarray, inertial: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """G and G_p of the joint angles' errors that are at home what K_v and K_p are of the tool's.
+
+    Where the task leaves joints free, K_v and K_p would leave them without feedback.
+    """
+    if (law.k_v is None and law.k_p is None) or robot.m < robot.n:
+        return inertial, law.alpha * inertial
+    J = robot.jacobian
+    return J.T @ (k_v[:, None] * J), J.T @ (k_p[:, None] * J)

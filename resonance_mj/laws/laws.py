@@ -8,28 +8,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..experiments.experiment import Experiment
+from ..springs.fit import LinearSprings
 from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
-from .learning import Cycle, Transferred
+from .learning import Cycle, Learned
 
-Between = Callable[[Cycle, Gains, Experiment], Transferred]
+Learn = Callable[[Cycle, Gains, Experiment], Learned]
 """Torque and springs of the next cycle, from the last, the gains and the experiment."""
 
 
 @dataclass(frozen=True)
 class Law:
-    """A law, by what it does on three time scales.
+    """A law is two functions: what it does at each step, and what it learns between cycles.
 
     Attributes:
         command: at each step, sets y and the motors' torque τ.
-        between: after each cycle that is not a passage, sets the next cycle's torque and springs.
+        learn: after each cycle that is not a passage, sets the next cycle's torque and springs.
         adapts: gains of (6) and (7) that act at each step; the springs are constant without them.
         told: what it is given as a motion begins and the other laws do not know.
     """
 
     command: Command
-    between: Between
+    learn: Learn
     adapts: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
 
@@ -43,68 +44,64 @@ def load(kind: str) -> Law:
     return LAWS[kind] if kind in LAWS else _of_a_file(kind)
 
 
-def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """Torque and springs as in the cycle before."""
-    return Transferred(cycle.u, cycle.stiffness, cycle.offset, cycle.center)
+    return Learned(cycle.u, cycle.springs)
 
 
-def all_torque(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+def all_torque(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """Learning of all torque: (9) without its last term, for springs that stay as they are."""
-    v = cycle.u - learning.corrected(cycle.y, gains.learning, gains.lead)
-    u = learning.low_pass(v, gains.harmonics)
-    return Transferred(u, cycle.stiffness, cycle.offset, cycle.center)
+    return Learned(_learned_torque(cycle, gains), cycle.springs)
 
 
-def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """(9), (10): what a spring could exert is not learned, and left to (6), (7) to find."""
-    return _printed(cycle, cycle.q, gains)
+    return _printed(cycle, cycle.q, gains, experiment)
 
 
-def as_printed_in_joint_space(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+def as_printed_in_joint_space(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """(9), (10) with the desired joint angles q_d in place of q, as in [4] (Sec. IV-C)."""
-    return _printed(cycle, cycle.q_desired, gains)
+    return _printed(cycle, cycle.q_desired, gains, experiment)
 
 
-def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
+def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """What a spring can exert of the learned torque is handed to the spring."""
-    bounds = experiment.springs
-    return learning.transfer(
-        cycle.u,
-        cycle.y,
-        cycle.q,
-        cycle.stiffness,
-        cycle.offset,
-        cycle.center,
-        gain=gains.learning,
-        lead=gains.lead,
-        harmonics=gains.harmonics,
-        bounds=(bounds.stiffness, bounds.equilibrium),
+    v = _learned_torque(cycle, gains)
+    return learning.transfer(v, cycle.q, cycle.springs, experiment.springs)
+
+
+def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
+    return learning.learned_torque(
+        cycle.u, cycle.y, gain=gains.learning, lead=gains.lead, harmonics=gains.harmonics
     )
 
 
-def _printed(cycle: Cycle, q: np.ndarray, gains: Gains) -> Transferred:
+def _printed(cycle: Cycle, q: np.ndarray, gains: Gains, experiment: Experiment) -> Learned:
+    mean = cycle.q.mean(axis=0)
     u = learning.learn(
         cycle.u,
         cycle.y,
         q,
         gain=gains.learning,
-        q_s=cycle.q_s,
+        q_s=mean if experiment.law.q_s == "running" else cycle.q_s,
         lead=gains.lead,
         harmonics=gains.harmonics,
     )
-    return Transferred(u, cycle.stiffness, cycle.offset, cycle.center)
+    runs = experiment.law.q_c == "running"
+    return Learned(u, cycle.springs.about(mean) if runs else cycle.springs)
 
 
 def _of_a_file(file: str) -> Law:
     custom = custom_law.load(file)
 
-    def between(cycle: Cycle, gains: Gains, experiment: Experiment) -> Transferred:
-        signals = (cycle.u, cycle.y, cycle.q, cycle.stiffness, cycle.offset, cycle.center)
+    def learn(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
+        signals = (cycle.u, cycle.y, cycle.q, *cycle.springs)
         parameters = np.array(experiment.law.parameters)
-        return Transferred(*custom.learned(tuple(part.copy() for part in signals), parameters))
+        u, *springs = custom.learned(tuple(part.copy() for part in signals), parameters)
+        return Learned(u, LinearSprings(*springs))
 
     adapts = ("gamma_k", "gamma_qe")
-    return Law(custom.command, between if custom.learn else spring_transfer, adapts)
+    return Law(custom.command, learn if custom.learn else spring_transfer, adapts)
 
 
 LAWS: dict[str, Law] = {

@@ -1,4 +1,4 @@
-"""Learning between two cycles: (9), (10), on whole arrays with a leading axis for the robots."""
+"""Learning between two cycles: (9), (10) and the spring transfer, on whole arrays in NumPy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..springs import spring as springs
+from ..springs.fit import Bounds, LinearSprings, fit, spring_like_part
 
 
 class Cycle(NamedTuple):
@@ -20,30 +20,19 @@ class Cycle(NamedTuple):
     """Joint angles (N, n) [rad]."""
     q_desired: np.ndarray
     """Desired joint angles q_d (N, n) [rad]; of meaning only to laws that are told them."""
-    stiffness: np.ndarray
-    """Stiffness k (n,) [N m/rad]."""
-    offset: np.ndarray
-    """Offset torque q̄_e about `center` (n,) [N m]."""
-    center: np.ndarray
-    """Centre q_c (n,) [rad]."""
+    springs: LinearSprings
+    """At the end of the cycle."""
     q_s: np.ndarray
     """Centre of the regressor of (9), (10) (n,) [rad]."""
 
 
-def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
-    """Coefficients w of the part of a torque that a spring could exert, (10).
+class Learned(NamedTuple):
+    """What motors and springs do in the next cycle."""
 
-    Args:
-        v: torque over a cycle (..., N, n) [N m].
-        q_bar: regressor q̄ = q - q_s over the same cycle (..., N, n) [rad].
-
-    Returns:
-        w = ∫ v q̄ dt / ∫ q̄² dt per joint (..., n) [N m/rad]; 0 for a joint with q̄ = 0 throughout.
-    """
-    power = np.einsum("...tj,...tj->...j", q_bar, q_bar)
-    return np.divide(
-        np.einsum("...tj,...tj->...j", v, q_bar), power, out=np.zeros_like(power), where=power > 0
-    )
+    u: np.ndarray
+    """Learned torque (N, n) [N m]."""
+    springs: LinearSprings
+    """That it begins with."""
 
 
 def learn(
@@ -78,72 +67,38 @@ def learn(
         the passivity (15) at high frequency, and the torque diverges after tens to hundreds of
         cycles; `divergence` predicts when.
     """
-    v = low_pass(u - corrected(y, gain, lead), harmonics)
+    v = learned_torque(u, y, gain=gain, lead=lead, harmonics=harmonics)
     q_bar = q - np.asarray(q_s)[..., None, :]
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
 
-def corrected(y: np.ndarray, gain: np.ndarray, lead: int) -> np.ndarray:
-    """What learning takes off the torque: gain times y, read `lead` samples ahead (..., N, n)."""
-    return np.einsum("...ij,...tj->...ti", gain, np.roll(y, -lead, axis=-2))
-
-
-class Transferred(NamedTuple):
-    """What motors and springs do in the next cycle."""
-
-    u: np.ndarray
-    """Learned torque of the next cycle (N, n) [N m]."""
-    stiffness: np.ndarray
-    """Stiffness k (n,) [N m/rad]."""
-    offset: np.ndarray
-    """Offset torque q̄_e about `center` (n,) [N m]."""
-    center: np.ndarray
-    """Centre q_c of the offset torque (n,) [rad]; the transfer puts it at the mean joint angle."""
-
-
-def transfer(
-    u: np.ndarray,
-    y: np.ndarray,
-    q: np.ndarray,
-    stiffness: np.ndarray,
-    offset: np.ndarray,
-    center: np.ndarray,
-    *,
-    gain: np.ndarray,
-    lead: int,
-    harmonics: int | None,
-    bounds: tuple[tuple[float, float], tuple[float, float]],
-) -> Transferred:
-    """Learn, and hand the spring what a spring can do: the total torque stays as it is.
+def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bounds) -> Learned:
+    """Hand the springs what springs can do: the total torque stays as it is.
 
     Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring
     takes it over, as far as its bounds allow; what it takes, the motor gives up.
 
     Args:
-        u: learned torque of the cycle before (N, n) [N m].
-        y: error signal of the cycle before (N, n) [rad/s].
-        q: joint angles of the cycle before (N, n) [rad].
-        stiffness: k at the end of it (n,) [N m/rad].
-        offset: q̄_e about `center` at the end of it (n,) [N m].
-        center: q_c during it (n,) [rad].
-        gain: learning gain (n, n) [N m s/rad].
-        lead: control periods that y is read ahead, circularly.
-        harmonics: how many of the cycle's harmonics the learned torque keeps; None for all.
-        bounds: of the stiffness [N m/rad] and of q_e - q_c [rad].
+        v: what is learned from a cycle, before anything is handed over (N, n) [N m].
+        q: joint angles of that cycle (N, n) [rad].
+        springs: at the end of it.
+        bounds: what springs may be, about the mean joint angle, where their centre is put.
     """
-    v = low_pass(u - corrected(y, gain, lead), harmonics)
-    mean = q.mean(axis=0)
-    z = q - mean
-    variance = (z**2).mean(axis=0)
-    w = np.where(variance > springs.STILL, spring_like_part(v, z), stiffness)
-    level = v.mean(axis=0)
-    recentred = offset + stiffness * (center - mean)
-    k, b = np.empty_like(stiffness), np.empty_like(offset)
-    for j in range(len(k)):
-        k[j], b[j] = springs.nearest(
-            stiffness[j] - w[j], recentred[j] + level[j], *bounds[0], *bounds[1], variance[j]
-        )
-    return Transferred(v + (k - stiffness) * z - (b - recentred), k, b, mean)
+    total = v + springs.torque(q)
+    best = fit(q, total, bounds, center=q.mean(axis=0))
+    return Learned(total - best.torque(q), best)
+
+
+def learned_torque(
+    u: np.ndarray, y: np.ndarray, *, gain: np.ndarray, lead: int, harmonics: int | None
+) -> np.ndarray:
+    """u(t-T) - β y(t-T+δ), with its first harmonics only (..., N, n); arguments as in `learn`."""
+    return low_pass(u - corrected(y, gain, lead), harmonics)
+
+
+def corrected(y: np.ndarray, gain: np.ndarray, lead: int) -> np.ndarray:
+    """What learning takes off the torque: gain times y, read `lead` samples ahead (..., N, n)."""
+    return np.einsum("...ij,...tj->...ti", gain, np.roll(y, -lead, axis=-2))
 
 
 def low_pass(v: np.ndarray, harmonics: int | None) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import NamedTuple
 
@@ -37,8 +36,7 @@ class Kinematics:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self._model = copy.copy(robot.model)
-        self._model.jnt_stiffness[robot.joint_id] = 0.0
+        self._model = robot.model
         self._data = mujoco.MjData(self._model)
         self._data.qpos[:] = robot.qpos
         self._full = np.zeros((6, self._model.nv))
@@ -217,15 +215,20 @@ class Kinematics:
         Returns:
             Torque (N, n) [N m].
         """
-        robot, data = self.robot, self._data
-        torque = np.empty_like(motion.q)
-        for i in range(len(torque)):
-            data.qpos[robot.qpos_address] = motion.q[i]
-            data.qvel[robot.dof_address] = motion.dq[i]
-            data.qacc[:] = 0.0
-            data.qacc[robot.dof_address] = motion.ddq[i]
-            mujoco.mj_inverse(self._model, data)
-            torque[i] = data.qfrc_inverse[robot.dof_address]
+        robot, model, data = self.robot, self._model, self._data
+        springs = model.jnt_stiffness[robot.joint_id]
+        model.jnt_stiffness[robot.joint_id] = 0.0
+        try:
+            torque = np.empty_like(motion.q)
+            for i in range(len(torque)):
+                data.qpos[robot.qpos_address] = motion.q[i]
+                data.qvel[robot.dof_address] = motion.dq[i]
+                data.qacc[:] = 0.0
+                data.qacc[robot.dof_address] = motion.ddq[i]
+                mujoco.mj_inverse(model, data)
+                torque[i] = data.qfrc_inverse[robot.dof_address]
+        finally:
+            model.jnt_stiffness[robot.joint_id] = springs
         return torque
 
     def _place(self, q: np.ndarray) -> None:

@@ -26,14 +26,17 @@ WORTHWHILE = 0.05
 """Multiple of a learning gain from which it is worth saying that it would not diverge."""
 
 
-def before(
-    experiment: Experiment, robot: Robot, found: list[JointMotion], optima: list[Optimum]
-) -> list[str]:
-    """What may go wrong on an arm with its motions, a line each."""
+def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Optimum]) -> list[str]:
+    """What may go wrong on an arm with its motions, a line each.
+
+    Args:
+        loaded: kinematics of the arm with the payload of each motion.
+        found: the joint motions.
+        optima: their optima.
+    """
     said = []
-    for index, (joints, best) in enumerate(zip(found, optima, strict=True)):
+    for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         name = f"motion.{index}"
-        kinematics = Kinematics(robot.carrying(experiment.motion[index].payload))
         J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
         values = np.linalg.svd(J, compute_uv=False)
         nearest = float((values[:, -1] / values[:, 0]).min())
@@ -42,29 +45,29 @@ def before(
                 f"{name} comes near a singular pose: the smallest singular value of J falls to "
                 f"{nearest:.1e} of its largest"
             )
-        said += _weak_motors(name, robot, best)
+        said += _weak_motors(name, kinematics.robot, best)
     return said
 
 
 def unstable(
     experiment: Experiment,
-    robot: Robot,
+    loaded: list[Kinematics],
     gains: Gains,
     found: list[JointMotion],
     optima: list[Optimum],
+    q_c: np.ndarray,
 ) -> list[str]:
     """What will diverge, a line each: feedback or learning that is unstable when sampled.
 
-    Of the laws, those of `ANALYSED` are looked at.
+    Of the laws, those of `ANALYSED` are looked at. Arguments as in `divergences`.
     """
     learns: list[Divergence | None] = [None] * len(found)
     if experiment.law.kind in ANALYSED:
-        learns = divergences(experiment, robot, gains, found, optima)
+        learns = divergences(experiment, loaded, gains, found, optima, q_c)
     said = []
     for index, (joints, why) in enumerate(zip(found, learns, strict=True)):
         name, motion = f"motion.{index}", experiment.motion[index]
-        loaded = robot.carrying(motion.payload)
-        said += _unstable_feedback(name, experiment, loaded, gains, joints)
+        said += _unstable_feedback(name, experiment, loaded[index], gains, joints)
         if why:
             said.append(_diverging(name, experiment, gains, why, motion.cycles, motion.period))
     return said
@@ -94,10 +97,9 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
 
 
 def _unstable_feedback(
-    name: str, experiment: Experiment, robot: Robot, gains: Gains, joints: JointMotion
+    name: str, experiment: Experiment, kinematics: Kinematics, gains: Gains, joints: JointMotion
 ) -> list[str]:
     """Feedback that is unstable when sampled: an eigenvalue of M⁻¹ (Jᵀ K_v J + G) above 2/dt."""
-    kinematics = Kinematics(robot)
     limit = 2.0 / experiment.simulation.timestep
     highest = max(
         float(

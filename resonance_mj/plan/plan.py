@@ -1,8 +1,8 @@
-"""What an experiment needs before its first step."""
+"""Everything that is known of an experiment before its first step, built once and passed on."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,44 +10,99 @@ import numpy as np
 from ..errors import StabilityError
 from ..experiments.experiment import Experiment
 from ..laws import laws
-from ..laws.automatic_gains import gains
-from ..laws.gains import Gains
+from ..laws.gains import Gains, gains
 from ..laws.laws import Law
+from ..laws.memory import Layout
+from ..motions import default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot, build
-from ..springs.optimum import Optimum, along, center, follow, resolved
-from . import notes as warnings
+from ..springs.optimum import Optimum, best_springs
+from . import notes
+
+Followed = dict[tuple[object, ...], list[JointMotion]]
+"""Joint motions by all that they depend on."""
 
 
-@dataclass(frozen=True)
-class Prepared:
-    """An experiment with everything that it needs before its first step.
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """An experiment with all that it needs; what is not a field is found when it is first asked.
 
     Attributes:
-        experiment: with everything that it left open filled in.
-        robot: without a payload.
-        loaded: the robot in each motion, with the payload of that motion.
+        experiment: with everything that it left open in its motions filled in.
+        robot: its arm, without a payload.
+        kinematics: of the robot.
+        loaded: of the robot with the payload of each motion.
         law: what the law does.
         gains: that it has on the robot.
-        notes: what to know before the first step, a line each.
-        joints: joint motion of each motion.
-        optima: optimum of each motion.
-        q_c: centre of the springs' regressor (n,) [rad].
-        q_s: centre of the learning's regressor (n,) [rad].
     """
 
     experiment: Experiment
     robot: Robot
-    loaded: list[Robot]
+    kinematics: Kinematics
+    loaded: list[Kinematics]
     law: Law
     gains: Gains
-    notes: tuple[str, ...]
-    joints: list[JointMotion]
-    unstable: tuple[str, ...]
-    optima: list[Optimum]
-    q_c: np.ndarray
-    q_s: np.ndarray
+    _followed: Followed = field(repr=False)
+
+    @cached_property
+    def joints(self) -> list[JointMotion]:
+        """Joint motion of each motion, by inverse kinematics on the branch of the home pose.
+
+        Raises:
+            MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        """
+        depends_on = self._path
+        if depends_on not in self._followed:
+            self._followed[depends_on] = self._follow()
+        return self._followed[depends_on]
+
+    @cached_property
+    def optima(self) -> list[Optimum]:
+        """The best constant springs of each motion, by inverse dynamics; no law uses them."""
+        return [
+            best_springs(
+                joints.q,
+                loaded.torque(joints),
+                # Springs of other laws than the printed ones are centred on the motion's own mean.
+                center=self.q_c if self.experiment.law.printed else joints.q.mean(axis=0),
+                period=motion.period,
+                bounds=self.experiment.springs,
+            )
+            for motion, joints, loaded in zip(
+                self.experiment.motion, self.joints, self.loaded, strict=True
+            )
+        ]
+
+    @cached_property
+    def q_c(self) -> np.ndarray:
+        """Centre of the springs' regressor (n,) [rad]; "mean" is that of the first motion."""
+        return self._center(self.experiment.law.q_c)
+
+    @cached_property
+    def q_s(self) -> np.ndarray:
+        """Centre of the learning's regressor (n,) [rad]."""
+        return self._center(self.experiment.law.q_s)
+
+    @cached_property
+    def unstable(self) -> tuple[str, ...]:
+        """What will diverge, a line each."""
+        return tuple(
+            notes.unstable(
+                self.experiment, self.loaded, self.gains, self.joints, self.optima, self.q_c
+            )
+        )
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What was found, changed or is doubtful, a line each."""
+        before = notes.before(self.loaded, self.joints, self.optima)
+        return (*self.robot.notes, *before, *self.unstable)
+
+    @property
+    def layout(self) -> Layout:
+        """Sizes of the controller's block of memory."""
+        return self.robot.layout
 
     @cached_property
     def schedule(self) -> list[int]:
@@ -64,6 +119,31 @@ class Prepared:
         begun = cycle - self.schedule.index(segment)
         return begun if begun < self.experiment.motion[segment].blend else None
 
+    def desired(self, cycle: int) -> motions.Samples:
+        """The desired motion in a cycle of the run: a motion, or the passage to it."""
+        segment = self.schedule[cycle]
+        motion, steps = self.experiment.motion[segment], self.steps(segment)
+        samples = motions.sample(motion, steps, self.robot)
+        begun = self.blending(cycle)
+        if begun is None:
+            return samples
+        if segment == 0:
+            rest = self.kinematics.position(self.robot.home)
+            still = np.zeros_like(samples.x)
+            before = motions.Samples(still + rest, still, still)
+        else:
+            # The motion that is left goes on by the clock while the new one takes over.
+            left = self.experiment.motion[segment - 1]
+            old = motions.sample(left, self.steps(segment - 1), self.robot)
+            at = (begun * steps + np.arange(steps)) % self.steps(segment - 1)
+            before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
+        return motions.blended(before, samples, begun, motion.blend, motion.period)
+
+    def joint_motion(self, cycle: int) -> JointMotion:
+        """Joint motion that makes the desired motion of a cycle of the run."""
+        passage = self.blending(cycle) is not None
+        return self.passages[cycle] if passage else self.joints[self.schedule[cycle]]
+
     @cached_property
     def passages(self) -> dict[int, JointMotion]:
         """Joint motion of each cycle of the run in which the arm passes over into a motion.
@@ -77,9 +157,8 @@ class Prepared:
             first = self.schedule.index(segment)
             cycles = range(first, first + motion.blend)
             if cycles:
-                whole = motions.in_a_row([desired(self, cycle) for cycle in cycles])
-                made = Kinematics(self.robot).passage(
-                    whole,
+                made = self.kinematics.passage(
+                    motions.in_a_row([self.desired(cycle) for cycle in cycles]),
                     start,
                     motion.blend * motion.period,
                     f"experiment {self.experiment.name!r}: passage to motion.{segment}",
@@ -91,11 +170,6 @@ class Prepared:
                     found[cycle] = JointMotion(*(signal[part] for signal in made))
             start = self.joints[segment].q[-1]
         return found
-
-    def joint_motion(self, cycle: int) -> JointMotion:
-        """Joint motion that makes the desired motion of a cycle of the run."""
-        passage = self.blending(cycle) is not None
-        return self.passages[cycle] if passage else self.joints[self.schedule[cycle]]
 
     @property
     def fits_with(self) -> tuple[object, ...]:
@@ -109,96 +183,101 @@ class Prepared:
             self.law.command,
             self.robot.payload,
             tuple(motion.blend for motion in experiment.motion),
-            self.robot.layout,
+            self.layout,
             tuple(self.schedule),
             tuple(self.steps(i) for i in range(len(experiment.motion))),
         )
 
+    def refuse_unstable(self) -> None:
+        """Raise a StabilityError if something will diverge."""
+        if self.unstable:
+            rest = len(self.unstable) - 1
+            more = f" (and {rest} more)" if rest else ""
+            raise StabilityError(f"experiment {self.experiment.name!r}: {self.unstable[0]}{more}")
 
-Followed = dict[tuple[object, ...], list[JointMotion]]
-"""Joint motions by all that they depend on."""
+    def _follow(self) -> list[JointMotion]:
+        experiment, start, found = self.experiment, self.robot.home, []
+        for index, motion in enumerate(experiment.motion):
+            samples = motions.sample(motion, self.steps(index), self.robot)
+            name = f"experiment {experiment.name!r}: motion.{index}"
+            alpha_0 = experiment.law.alpha_0
+            found.append(self.kinematics.follow(samples, start, motion.period, name, alpha_0))
+            start = found[-1].q[-1]
+        return found
+
+    def _center(self, value: str | float | tuple[float, ...]) -> np.ndarray:
+        if isinstance(value, str):
+            return self.joints[0].q.mean(axis=0)
+        return np.broadcast_to(np.asarray(value, float), self.robot.n).copy()
+
+    @property
+    def _path(self) -> tuple[object, ...]:
+        """What the joint motions depend on: not how often, by which law or with which load."""
+        experiment = self.experiment
+        one_cycle = tuple(
+            motion.model_copy(update={"duration": motion.period, "blend": 0, "payload": 0.0})
+            for motion in experiment.motion
+        )
+        return (
+            experiment.robot,
+            experiment.task,
+            experiment.simulation.timestep,
+            experiment.law.alpha_0,
+            one_cycle,
+        )
 
 
-def prepare(experiment: Experiment, followed: Followed | None = None) -> Prepared:
-    """Load the robot, find the joint motions and their optimum.
+def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
+    """Load the law and the robot of an experiment, and fill in what it leaves open.
 
     Args:
-        experiment: what to prepare.
+        experiment: what to plan.
         followed: joint motions of experiments before, taken from here and added here.
 
     Raises:
         ExperimentError: a list in the experiment is not as long as the arm or the task needs.
         RobotError: the robot cannot be loaded.
-        MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        MotionError: no size was given and the arm can make the motion in none.
     """
     law = laws.load(experiment.law.kind)
     robot = build(experiment)
-    experiment = resolved(experiment, robot)
-    followed = {} if followed is None else followed
-    path = _path(experiment)
-    if path not in followed:
-        followed[path] = follow(experiment, robot)
-    found = followed[path]
-    optima = along(experiment, robot, found)
-    chosen = gains(experiment, robot)
-    unstable = tuple(warnings.unstable(experiment, robot, chosen, found, optima))
-    prepared = Prepared(
+    unloaded = Kinematics(robot)
+    experiment = _filled_in(experiment, unloaded)
+    by_payload = {0.0: unloaded}
+    for motion in experiment.motion:
+        if motion.payload not in by_payload:
+            by_payload[motion.payload] = Kinematics(robot.carrying(motion.payload))
+    return Plan(
         experiment=experiment,
         robot=robot,
-        loaded=[robot.carrying(motion.payload) for motion in experiment.motion],
+        kinematics=unloaded,
+        loaded=[by_payload[motion.payload] for motion in experiment.motion],
         law=law,
-        gains=chosen,
-        notes=(*robot.notes, *warnings.before(experiment, robot, found, optima), *unstable),
-        unstable=unstable,
-        joints=found,
-        optima=optima,
-        q_c=center(experiment.law.q_c, found, robot),
-        q_s=center(experiment.law.q_s, found, robot),
-    )
-    if "joints" in law.told:
-        _ = prepared.passages  # so that one that cannot be made is refused before the first step
-    return prepared
-
-
-def _path(experiment: Experiment) -> tuple[object, ...]:
-    """What the joint motions depend on: not how often they are repeated, by which law or load."""
-    one_cycle = tuple(
-        motion.model_copy(update={"duration": motion.period, "blend": 0, "payload": 0.0})
-        for motion in experiment.motion
-    )
-    return (
-        experiment.robot,
-        experiment.task,
-        experiment.simulation.timestep,
-        experiment.law.alpha_0,
-        one_cycle,
+        gains=gains(experiment, robot),
+        _followed={} if followed is None else followed,
     )
 
 
-def refuse_unstable(one: Prepared) -> None:
-    """Raise a StabilityError if something of an experiment will diverge."""
-    if one.unstable:
-        more = f" (and {len(one.unstable) - 1} more)" if len(one.unstable) > 1 else ""
-        raise StabilityError(f"experiment {one.experiment.name!r}: {one.unstable[0]}{more}")
+def optimum(experiment: Experiment) -> list[Optimum]:
+    """The optimum of each motion of an experiment, within its springs' bounds.
+
+    The joint motion comes from inverse kinematics on the branch of the home pose, its torque from
+    MuJoCo's inverse dynamics; the controller uses neither.
+
+    Raises:
+        RobotError: the robot cannot be loaded.
+        MotionError: a motion leaves the arm's reach or passes through a singular pose.
+    """
+    return plan_for(experiment).optima
 
 
-def desired(one: Prepared, cycle: int) -> motions.Samples:
-    """The desired motion in a cycle of the run: a motion, or the passage to it."""
-    segment = one.schedule[cycle]
-    motion = one.experiment.motion[segment]
-    steps = one.steps(segment)
-    samples = motions.sample(motion, steps, one.robot)
-    begun = one.blending(cycle)
-    if begun is None:
-        return samples
-    if segment == 0:
-        rest = Kinematics(one.robot).position(one.robot.home)
-        still = np.zeros_like(samples.x)
-        before = motions.Samples(still + rest, still, still)
-    else:
-        # The motion that is left goes on by the clock while the new one takes over.
-        left = one.experiment.motion[segment - 1]
-        old = motions.sample(left, one.steps(segment - 1), one.robot)
-        at = (begun * steps + np.arange(steps)) % one.steps(segment - 1)
-        before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
-    return motions.blended(before, samples, begun, motion.blend, motion.period)
+def _filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:
+    """The experiment with what it left open in its motions filled in."""
+    robot = kinematics.robot
+    at_home = kinematics.position(robot.home)
+    motion = []
+    for index, given in enumerate(experiment.motion):
+        name = f"experiment {experiment.name!r}: motion.{index}"
+        fitting = motions.resolve(given, robot, at_home, name)
+        motion.append(default_motion.sized(fitting, kinematics, name, experiment.law.alpha_0))
+    return experiment.model_copy(update={"motion": tuple(motion)})

@@ -49,7 +49,7 @@ def kept(run: Run) -> list[Cycle]:
     """The whole cycles of a run whose samples were kept, in order."""
     data = run.data
     signals = {name: data[name].values for name in SIGNALS}
-    motion = data["segment_of_cycle"].values - 1
+    motion, passage = data["segment_of_cycle"].values - 1, data["passage"].values
     last = {f"last_{name}": data[f"{name}_per_cycle"].values for name in ("stiffness", "offset")}
     numbers, first, count = np.unique(
         data["cycle_of_sample"].values, return_index=True, return_counts=True
@@ -58,11 +58,9 @@ def kept(run: Run) -> list[Cycle]:
     for number, begin, steps in zip(numbers.tolist(), first, count, strict=True):
         if number > len(motion):  # A run that diverged ends within a cycle.
             continue
-        index = int(motion[number - 1])
-        begun = number - 1 - int(np.argmax(motion == index))
         part = {name: values[begin : begin + steps] for name, values in signals.items()}
         part["center"] = part["center"][0]
         part |= {name: values[number - 1] for name, values in last.items()}
-        passage = begun < run.experiment.motion[index].blend
-        found.append(Cycle(number=number, motion=index, passage=passage, **part))
+        of = int(motion[number - 1])
+        found.append(Cycle(number=number, motion=of, passage=bool(passage[number - 1]), **part))
     return found

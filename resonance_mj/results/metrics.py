@@ -1,14 +1,34 @@
-"""How good a run is: torque against the optimum, tracking, cycles until the optimum is reached."""
+"""How good a run is: torque against the optimum, cycles until the optimum is reached."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import xarray as xr
+from numpy.typing import ArrayLike
 
 OPTIMUM_BAND = 0.05
 """Relative distance from the optimal torque² within which a cycle counts as at the optimum."""
+
+LEAST_REDUCTION = 1e-9
+"""Reduction of the optimum below which no spring helps, and a share of it means nothing."""
+
+
+def reduction(torque_squared: ArrayLike, without: ArrayLike) -> np.ndarray:
+    """1 - torque² / torque² without springs; NaN where no torque is needed.
+
+    Args:
+        torque_squared: of motors beside springs [N² m²].
+        without: of motors without springs, broadcast [N² m²].
+    """
+    torque_squared, without = np.asarray(torque_squared, float), np.asarray(without, float)
+    none = np.full(np.broadcast_shapes(torque_squared.shape, without.shape), np.nan)
+    return 1.0 - np.divide(torque_squared, without, out=none, where=without > 0)
+
+
+def share(reduced: ArrayLike, optimal: ArrayLike) -> np.ndarray:
+    """A reduction as a share of that of the optimum; NaN where no spring helps."""
+    reduced, optimal = np.asarray(reduced, float), np.asarray(optimal, float)
+    none = np.full(np.broadcast_shapes(reduced.shape, optimal.shape), np.nan)
+    return np.divide(reduced, optimal, out=none, where=optimal > LEAST_REDUCTION)
 
 
 def cycles_to_optimum(torque_squared: np.ndarray, optimal: float) -> int | None:
@@ -21,53 +41,10 @@ def cycles_to_optimum(torque_squared: np.ndarray, optimal: float) -> int | None:
         optimal: of the optimum [N² m²].
 
     Returns:
-        The cycle, or None if the last cycle is outside.
+        The cycle, or None if the last cycle is outside, or the optimum is 0.
     """
+    if not optimal > 0:
+        return None
     outside = np.flatnonzero(~(np.abs(torque_squared / optimal - 1.0) <= OPTIMUM_BAND))
     first = int(outside[-1]) + 1 if outside.size else 0
     return first + 1 if first < len(torque_squared) else None
-
-
-def segments(data: xr.Dataset) -> list[dict[str, Any]]:
-    """Per motion of a run, the figures of its last whole cycle beside the optimum's.
-
-    Args:
-        data: `Run.data`.
-
-    Returns:
-        For each motion a dict: start_s, end_s, cycles (simulated whole), torque_reduction,
-        torque_reduction_optimal, torque_squared, torque_squared_without_springs,
-        torque_squared_optimal [N² m²], tracking_rms [m], stiffness, stiffness_optimal [N m/rad],
-        offset, offset_optimal [N m], cycles_to_optimum. What a run that ended early did not reach
-        is None.
-    """
-    return [_segment(data.sel(segment=number)) for number in data["segment"].values]
-
-
-def _segment(data: xr.Dataset) -> dict[str, Any]:
-    mine = data.sel(cycle=data["segment_of_cycle"] == data["segment"])
-    cycles = mine.sizes["cycle"]
-    without = float(data["torque_squared_without_springs"])
-    optimal = float(data["torque_squared_optimal"])
-
-    def last(name: str) -> Any:
-        return mine[name].values[-1].tolist() if cycles else None
-
-    torque_squared = last("torque_squared")
-    return {
-        "start_s": float(data["start"]),
-        "end_s": float(data["end"]),
-        "cycles": cycles,
-        "torque_reduction": 1 - torque_squared / without if cycles else None,
-        "torque_reduction_optimal": 1 - optimal / without,
-        "torque_squared": torque_squared,
-        "torque_squared_without_springs": without,
-        "torque_squared_optimal": optimal,
-        "tracking_rms": last("tracking_rms"),
-        **({"rotation_rms": last("rotation_rms")} if "rotation_rms" in mine else {}),
-        "stiffness": last("stiffness_per_cycle"),
-        "stiffness_optimal": data["stiffness_optimal"].values.tolist(),
-        "offset": last("offset_per_cycle"),
-        "offset_optimal": data["offset_optimal"].values.tolist(),
-        "cycles_to_optimum": cycles_to_optimum(mine["torque_squared"].values, optimal),
-    }

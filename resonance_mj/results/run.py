@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import platform
 import sys
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ..errors import OutputError
 from ..experiments.experiment import Experiment
-from ..experiments.loading import load
-from ..files import replacing, writable
 from ..status import Status
-from . import metrics
+from . import storing
+from .motions import MotionOfRun, motions
+
+if TYPE_CHECKING:
+    from ..plan.plan import Plan
 
 
 def versions() -> dict[str, str]:
@@ -48,11 +49,12 @@ class Run:
         data: dims time | cycle | segment, joint, axis; every variable has units. Per time: q, dq,
             x, x_desired, tau, u, y, stiffness, offset, equilibrium, center, tau_optimal. Per cycle:
             torque_squared, tracking_rms, stiffness_per_cycle, offset_per_cycle. Per motion: the
-            optimum. `data.attrs["thinned"]` is 1 if only some cycles' samples were kept;
-            `cycle_of_sample` says which.
+            optimum. `schema.VARIABLES` has them all. `data.attrs["thinned"]` is 1 if only some
+            cycles' samples were kept; `cycle_of_sample` says which.
         steps: time steps simulated.
         simulation_wall_s: wall time of the simulation alone [s].
         versions: of the packages that made it.
+        planned: the plan that was simulated; `plan` has that of any run.
     """
 
     experiment: Experiment
@@ -63,19 +65,46 @@ class Run:
     simulation_wall_s: float
     notes: tuple[str, ...] = ()
     versions: dict[str, str] = field(default_factory=versions)
+    planned: Plan | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """What was known before the first step; built again for a run that was loaded.
+
+        Raises:
+            RobotError: the robot's file is missing or not valid.
+            MotionError: the arm cannot make the motion.
+        """
+        from ..plan.plan import plan_for  # imports MuJoCo, which reading a run does not need
+
+        if self.planned is not None and self.planned.experiment == self.experiment:
+            return self.planned
+        return plan_for(self.experiment)
+
+    @cached_property
+    def motions(self) -> tuple[MotionOfRun, ...]:
+        """The motions of the run, each with its cycles, its optimum and its samples."""
+        return motions(self.data)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the plan, which holds MuJoCo's own memory."""
+        fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return fields | {"planned": None}
 
     def summary(self) -> dict[str, Any]:
         """The dict that is written as summary.json."""
-        return {
-            "name": self.experiment.name,
-            "status": str(self.status),
-            "message": self.message,
-            "notes": list(self.notes),
-            "versions": self.versions,
-            "steps": self.steps,
-            "simulation_wall_s": self.simulation_wall_s,
-            "segments": metrics.segments(self.data),
-        }
+        return finite(
+            {
+                "name": self.experiment.name,
+                "status": str(self.status),
+                "message": self.message,
+                "notes": list(self.notes),
+                "versions": self.versions,
+                "steps": self.steps,
+                "simulation_wall_s": self.simulation_wall_s,
+                "segments": [motion.summary() for motion in self.motions],
+            }
+        )
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Write run.nc, summary.json and experiment.toml into `folder`, which is made if needed.
@@ -85,28 +114,7 @@ class Run:
         Raises:
             OutputError: the folder cannot be written.
         """
-        folder = writable(folder)
-        with replacing(folder / "run.nc") as path:
-            data = self.data.assign_attrs(
-                title=f"resonance-mj run {self.experiment.name}",
-                status=str(self.status),
-                message=self.message,
-                notes=json.dumps(self.notes),
-                steps=self.steps,
-                simulation_wall_s=self.simulation_wall_s,
-                versions=json.dumps(self.versions),
-            )
-            data.to_netcdf(path, engine="h5netcdf")
-        with replacing(folder / "summary.json") as path:
-            path.write_text(json.dumps(finite(self.summary()), indent=2) + "\n", encoding="utf-8")
-        with replacing(folder / "experiment.toml") as path:
-            made_by = "".join(f"# {name} {number}\n" for name, number in self.versions.items())
-            path.write_text(
-                f"# The experiment as it was run, with every default filled in.\n{made_by}\n"
-                + self.experiment.to_toml(),
-                encoding="utf-8",
-            )
-        return folder
+        return storing.save(self, folder)
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> Run:
@@ -115,25 +123,7 @@ class Run:
         Raises:
             OutputError: the folder does not hold a run.
         """
-        folder = Path(folder)
-        path = folder / "run.nc"
-        if not path.is_file():
-            raise OutputError(f"{folder}: holds no run: there is no {path.name} in it")
-        try:
-            data = xr.load_dataset(path, engine="h5netcdf")
-            attributes, data.attrs = data.attrs, {}
-            return Run(
-                experiment=load(folder / "experiment.toml"),
-                status=Status(attributes.pop("status")),
-                message=str(attributes.pop("message")),
-                notes=tuple(json.loads(attributes.pop("notes"))),
-                steps=int(attributes.pop("steps")),
-                simulation_wall_s=float(attributes.pop("simulation_wall_s")),
-                versions=json.loads(attributes.pop("versions")),
-                data=data.assign_attrs(thinned=int(attributes.pop("thinned"))),
-            )
-        except (OSError, KeyError, ValueError) as error:
-            raise OutputError(f"{path}: is not a run of this program: {error}") from None
+        return Run(**storing.load(folder))
 
 
 def finite(value: Any) -> Any:

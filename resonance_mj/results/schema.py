@@ -1,68 +1,127 @@
-"""The variables of a run: one table of their names and dimensions, and what is checked against it."""
+"""The one table of what a run holds: dimensions, units and meaning of every variable."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from ..errors import OutputError
 
 
 class Variable(NamedTuple):
-    """A variable of `Run.data`."""
+    """A variable of a run's dataset."""
 
     dims: tuple[str, ...]
+    units: str
+    meaning: str
     kind: str = "f"
     """Of its dtype: f floating point, i integer, U text."""
-    optional: bool = False
 
 
-SAMPLE, CYCLE, SEGMENT = ("time", "joint"), ("cycle", "joint"), ("segment", "joint")
+SAMPLE, CYCLE, MOTION = ("time",), ("cycle",), ("segment",)
+PER_JOINT, PER_AXIS = ("time", "joint"), ("time", "axis")
+CYCLE_JOINT, MOTION_JOINT = ("cycle", "joint"), ("segment", "joint")
 
 COORDINATES = {
-    "time": Variable(("time",)),
-    "cycle": Variable(("cycle",), "i"),
-    "segment": Variable(("segment",), "i"),
-    "joint": Variable(("joint",), "U"),
-    "slides": Variable(("joint",), "i"),
-    "axis": Variable(("axis",), "U"),
-    "cycle_of_sample": Variable(("time",), "i"),
-    "segment_of_cycle": Variable(("cycle",), "i"),
+    "time": Variable(SAMPLE, "s", "time"),
+    "cycle": Variable(CYCLE, "1", "number of the cycle, from 1", "i"),
+    "segment": Variable(MOTION, "1", "number of the motion, from 1", "i"),
+    "joint": Variable(("joint",), "1", "name of the joint", "U"),
+    "slides": Variable(("joint",), "1", "1 for a slide joint", "i"),
+    "axis": Variable(("axis",), "1", "coordinate of the task", "U"),
+    "cycle_of_sample": Variable(SAMPLE, "1", "cycle that a sample belongs to", "i"),
+    "segment_of_sample": Variable(SAMPLE, "1", "motion that a sample belongs to", "i"),
+    "segment_of_cycle": Variable(CYCLE, "1", "motion that a cycle repeats", "i"),
+    "passage": Variable(CYCLE, "1", "1 for a cycle of the passage into a motion", "i"),
 }
+
 VARIABLES = {
-    **dict.fromkeys(("q", "dq", "y", "tau", "u", "tau_optimal"), Variable(SAMPLE)),
-    **dict.fromkeys(("stiffness", "offset", "equilibrium", "center"), Variable(SAMPLE)),
-    **dict.fromkeys(("x", "x_desired"), Variable(("time", "axis"))),
-    **dict.fromkeys(("torque_squared", "tracking_rms", "singular_value"), Variable(("cycle",))),
-    "rotation_rms": Variable(("cycle",), optional=True),
-    **dict.fromkeys(("stiffness_per_cycle", "offset_per_cycle"), Variable(CYCLE)),
-    **dict.fromkeys(
-        ("stiffness_optimal", "offset_optimal", "equilibrium_optimal"), Variable(SEGMENT)
-    ),
-    **dict.fromkeys(
-        ("torque_squared_optimal", "torque_squared_without_springs", "start", "end", "period"),
-        Variable(("segment",)),
-    ),
+    "q": Variable(PER_JOINT, "rad", "joint angle"),
+    "dq": Variable(PER_JOINT, "rad/s", "joint velocity"),
+    "x": Variable(PER_AXIS, "m", "tool position"),
+    "x_desired": Variable(PER_AXIS, "m", "desired tool position x_d"),
+    "y": Variable(PER_JOINT, "rad/s", "error signal (8)"),
+    "tau": Variable(PER_JOINT, "N m", "motor torque (4)"),
+    "u": Variable(PER_JOINT, "N m", "learned torque (9)"),
+    "stiffness": Variable(PER_JOINT, "N m/rad", "stiffness k (6)"),
+    "offset": Variable(PER_JOINT, "N m", "offset torque q_e bar (7) about the center"),
+    "equilibrium": Variable(PER_JOINT, "rad", "equilibrium angle q_e of the spring"),
+    "center": Variable(PER_JOINT, "rad", "center q_c of the offset torque"),
+    "tau_optimal": Variable(PER_JOINT, "N m", "motor torque with the optimal springs, tau_dopt"),
+    "torque_squared": Variable(CYCLE, "N^2 m^2", "mean of tau^T tau over the cycle"),
+    "torque_reduction": Variable(CYCLE, "1", "1 - torque_squared / that without springs"),
+    "torque_share": Variable(CYCLE, "1", "torque_reduction / that of the optimum"),
+    "tracking_rms": Variable(CYCLE, "m", "root mean square of the position error"),
+    "rotation_rms": Variable(CYCLE, "rad", "root mean square of the rotation error"),
+    "singular_value": Variable(CYCLE, "m/rad", "smallest singular value of J"),
+    "stiffness_per_cycle": Variable(CYCLE_JOINT, "N m/rad", "stiffness at the end of the cycle"),
+    "offset_per_cycle": Variable(CYCLE_JOINT, "N m", "offset torque at the end of the cycle"),
+    "equilibrium_per_cycle": Variable(CYCLE_JOINT, "rad", "q_e at the end of the cycle"),
+    "center_per_cycle": Variable(CYCLE_JOINT, "rad", "center q_c during the cycle"),
+    "stiffness_optimal": Variable(MOTION_JOINT, "N m/rad", "stiffness of the optimal springs"),
+    "offset_optimal": Variable(MOTION_JOINT, "N m", "offset of the optimal springs"),
+    "equilibrium_optimal": Variable(MOTION_JOINT, "rad", "q_e of the optimal springs"),
+    "torque_squared_optimal": Variable(MOTION, "N^2 m^2", "torque_squared of the optimum"),
+    "torque_squared_without_springs": Variable(MOTION, "N^2 m^2", "the same without springs"),
+    "start": Variable(MOTION, "s", "start of the motion"),
+    "end": Variable(MOTION, "s", "end of the motion"),
+    "period": Variable(MOTION, "s", "cycle time T"),
 }
+
+OPTIONAL = ("rotation_rms",)
+"""Variables that only runs of a task with rotation have."""
+
+KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
+"""What kinds of dtype are called."""
+
+OF_SLIDES = {"rad": "m", "rad/s": "m/s", "N m": "N", "N m/rad": "N/m"}
+"""Units of a hinge joint's variables, and of a slide joint's."""
+
+
+def dataset(
+    values: Mapping[str, Any], *, units: Mapping[str, str] | None = None, thinned: bool
+) -> xr.Dataset:
+    """The dataset of a run, built at once.
+
+    Args:
+        values: by the names of `COORDINATES` and `VARIABLES`, all but what `OPTIONAL` allows.
+        units: of variables in which they differ from the table.
+        thinned: whether only some cycles' samples are among them.
+    """
+    mixed = bool(np.any(values["slides"]))
+
+    def entry(name: str, about: Variable) -> tuple[Any, ...]:
+        unit = (units or {}).get(name, about.units)
+        if mixed and "joint" in about.dims and unit in OF_SLIDES:
+            unit = f"{unit}; {OF_SLIDES[unit]} for slide joints"
+        return about.dims, values[name], {"units": unit, "long_name": about.meaning}
+
+    return xr.Dataset(
+        {name: entry(name, about) for name, about in VARIABLES.items() if name in values},
+        {name: entry(name, about) for name, about in COORDINATES.items()},
+        {"thinned": int(thinned)},
+    )
 
 
 def check(data: xr.Dataset) -> None:
-    """See that a dataset has the variables of a run and no others, and that each has its unit.
+    """See that a dataset has every variable of a run, and each its dimensions, dtype and unit.
 
     Raises:
-        OutputError: one is missing, unknown, or not of its dimensions, dtype or attributes.
+        OutputError: one is missing or is not as the table says.
     """
-    table = COORDINATES | VARIABLES
-    for name in (*table, *map(str, data.variables)):
-        wanted, found = table.get(name), data.variables.get(name)
-        if wanted is None:
-            raise OutputError(f"variable {name!r} is not one of a run")
+    for name, wanted in (COORDINATES | VARIABLES).items():
+        found = data.variables.get(name)
         if found is None:
-            if wanted.optional:
-                continue
-            raise OutputError(f"variable {name!r} is missing")
-        if found.dims != wanted.dims or found.dtype.kind not in (wanted.kind, wanted.kind.replace("U", "O")):
-            raise OutputError(f"variable {name!r} is {found.dtype} of ({', '.join(map(str, found.dims))}); {wanted.kind} of ({', '.join(wanted.dims)}) is needed")
+            if name not in OPTIONAL:
+                raise OutputError(f"variable {name} is missing")
+            continue
+        if (found.dims, found.dtype.kind) != (wanted.dims, wanted.kind):
+            raise OutputError(
+                f"variable {name} is {found.dtype} over ({', '.join(map(str, found.dims))}); "
+                f"{KINDS[wanted.kind]} over ({', '.join(wanted.dims)}) are needed"
+            )
         if not isinstance(found.attrs.get("units"), str):
-            raise OutputError(f"variable {name!r} has no units")
+            raise OutputError(f"variable {name} has no units")

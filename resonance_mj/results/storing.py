@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -15,6 +15,8 @@ import xarray as xr
 from pydantic import BaseModel, Json
 
 from ..errors import OutputError
+from ..experiments.experiment import Experiment
+from ..experiments.validation import validated
 from ..files import regular, write
 from ..status import Status
 from . import schema
@@ -51,7 +53,7 @@ def load(folder: str | os.PathLike[str]) -> dict[str, Any]:
             with h5py.File(file) as hdf5:
                 about, data = _about(hdf5), _variables(hdf5, size)
         schema.check(data)
-        experiment = loads(about.experiment, "the experiment in it")
+        experiment = validated(Experiment, tomllib.loads(about.experiment), "its experiment")
     except (FileNotFoundError, NotADirectoryError):
         raise OutputError(f"{folder}: holds no run: there is no {path.name} in it") from None
     except Exception as error:  # HDF5 and what reads it raise any for a file that is not as it was
@@ -115,16 +117,17 @@ def _about(hdf5: h5py.File) -> _About:
 def save(run: Run, folder: str | os.PathLike[str]) -> Path:
     """Write a run; see `Run.save`."""
     experiment = run.experiment.to_toml()
+    content = _netcdf(run, experiment)
     made_by = "".join(f"# {name} {number}\n" for name, number in run.versions.items())
     return write(
         folder,
         {
-            "summary.json": (json.dumps(finite(run.summary()), indent=2) + "\n").encode(),
+            "summary.json": (json.dumps(run.summary(), indent=2, allow_nan=False) + "\n").encode(),
             "experiment.toml": (
                 f"# The experiment as it was run, with every default filled in.\n{made_by}\n"
                 + experiment
             ).encode(),
-            "run.nc": _sealed(_netcdf(run, experiment)),
+            "run.nc": content + _seal(content),
         },
     )
 
@@ -147,12 +150,3 @@ def _netcdf(run: Run, experiment: str) -> bytes:
 def _seal(content: bytes) -> bytes:
     """What stands at the end of a file with this content."""
     return SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
-
-
-def finite(value: Any) -> Any:
-    """What JSON can hold of a value: it has no infinity and no NaN, which become null."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,14 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from ..laws.memory import Memory
-from ..motions.kinematics import Kinematics
-from ..plan.plan import Prepared, desired
-from ..springs import spring as springs
+from ..plan.plan import Plan
 
 
-def load_law(memory: Memory, index: int, one: Prepared) -> None:
+def load_law(memory: Memory, index: int, plan: Plan) -> None:
     """Write the robot's indices, the gains, the bounds and the first springs into the memory."""
-    experiment, robot, chosen = one.experiment, one.robot, one.gains
+    experiment, robot, chosen = plan.experiment, plan.robot, plan.gains
     law, bounds = experiment.law, experiment.springs
     for name in ("qpos_address", "dof_address", "joint_id", "actuator_id", "coordinate"):
         memory[name][index] = getattr(robot, name)
@@ -25,18 +23,18 @@ def load_law(memory: Memory, index: int, one: Prepared) -> None:
     memory["feedback"][index] = chosen.feedback
     memory["feedback_p"][index] = chosen.feedback_p
     for name in ("gamma_k", "gamma_qe"):
-        memory[name][index] = getattr(law, name) if name in one.law.adapts else 0.0
+        memory[name][index] = getattr(law, name) if name in plan.law.adapts else 0.0
     memory["parameters"][index] = law.parameters
-    memory["q_c"][index] = one.q_c
-    memory["q_s"][index] = one.q_s
+    memory["q_c"][index] = plan.q_c
+    memory["q_s"][index] = plan.q_s
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["low"][index], memory["high"][index] = bounds.equilibrium
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
     k = np.asarray(bounds.initial_stiffness)
     memory["stiffness"][index] = k
     # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
-    stays = one.law.adapts == ("gamma_k",)
-    away = 0.0 if stays else np.asarray(bounds.initial_equilibrium) - one.q_c
+    stays = plan.law.adapts == ("gamma_k",)
+    away = 0.0 if stays else np.asarray(bounds.initial_equilibrium) - plan.q_c
     memory["offset"][index] = k * away
     # A joint that turns by a radian in a time step is beyond any sampled control.
     dt = experiment.simulation.timestep
@@ -59,53 +57,51 @@ def load_law(memory: Memory, index: int, one: Prepared) -> None:
         memory.scalar(name)[index] = value
 
 
-def load_motion(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
+def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
     """Write the tables of a cycle of the run into the memory."""
-    samples = desired(one, cycle)
+    samples = plan.desired(cycle)
     steps = len(samples.x)
     memory["x_desired"][index, :steps] = samples.x
     memory["dx_desired"][index, :steps] = samples.dx
-    if one.gains.velocity == "difference":
-        positions = len(one.robot.position_axes)
+    if plan.gains.velocity == "difference":
+        positions = len(plan.robot.position_axes)
         # A passage does not begin where it ends.
-        first = samples.x[0] - samples.dx[0] * one.experiment.simulation.timestep
-        before = samples.x[-1] if one.blending(cycle) is None else first
+        first = samples.x[0] - samples.dx[0] * plan.experiment.simulation.timestep
+        before = samples.x[-1] if plan.blending(cycle) is None else first
         moved = np.diff(samples.x, axis=0, prepend=before[None])
-        velocity = moved / one.experiment.simulation.timestep
+        velocity = moved / plan.experiment.simulation.timestep
         memory["dx_desired"][index, :steps, :positions] = velocity[:, :positions]
-    for what in one.law.told:
-        TELL[what](memory, index, one, cycle)
+    for what in plan.law.told:
+        TELL[what](memory, index, plan, cycle)
 
 
-def _tell_joints(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
+def _tell_joints(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
     """The desired joint angles and velocities."""
-    q, dq, ddq = one.joint_motion(cycle)
-    if one.experiment.simulation.integrator != "RK4":
+    q, dq, ddq = plan.joint_motion(cycle)
+    if plan.experiment.simulation.integrator != "RK4":
         # After a semi-implicit step q is that of its end, and q̇ that of its middle.
-        dq = dq - 0.5 * one.experiment.simulation.timestep * ddq
+        dq = dq - 0.5 * plan.experiment.simulation.timestep * ddq
     memory["q_desired"][index, : len(q)] = q
     memory["dq_desired"][index, : len(q)] = dq
 
 
-def _tell_springs(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
+def _tell_springs(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
     """The springs that are the best for the motion."""
-    best = one.optima[one.schedule[cycle]]
+    best = plan.optima[plan.schedule[cycle]]
     memory["q_c"][index] = best.center
     memory["stiffness"][index] = best.stiffness
     memory["offset"][index] = best.offset
 
 
-def _tell_torque(memory: Memory, index: int, one: Prepared, cycle: int) -> None:
+def _tell_torque(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
     """The motors' torque that makes the desired motion with these springs, by inverse dynamics."""
-    segment = one.schedule[cycle]
-    best, joints = one.optima[segment], one.joint_motion(cycle)
-    needed = Kinematics(one.loaded[segment]).torque(joints)
-    memory["learned"][index, : len(needed)] = needed - springs.torque(
-        best.stiffness, best.offset, joints.q, best.center
-    )
+    segment = plan.schedule[cycle]
+    best, joints = plan.optima[segment], plan.joint_motion(cycle)
+    needed = plan.loaded[segment].torque(joints)
+    memory["learned"][index, : len(needed)] = needed - best.springs.torque(joints.q)
 
 
-TELL: dict[str, Callable[[Memory, int, Prepared, int], None]] = {
+TELL: dict[str, Callable[[Memory, int, Plan, int], None]] = {
     "joints": _tell_joints,
     "springs": _tell_springs,
     "torque": _tell_torque,

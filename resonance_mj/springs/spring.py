@@ -43,6 +43,22 @@ def equilibrium(k: float, offset: float, q_c: float) -> tuple[float, float]:
     return k, offset / k + q_c
 
 
+def equilibrium_angles(
+    k: np.ndarray, offset: np.ndarray, center: np.ndarray, limp: float = LIMP
+) -> np.ndarray:
+    """Equilibrium angles of many springs, broadcast (..., n) [rad]; `equilibrium` has it of one.
+
+    Args:
+        k: stiffness (..., n) [N m/rad].
+        offset: offset torque about `center` (..., n) [N m].
+        center: q_c (..., n) [rad].
+        limp: stiffness in place of 0 where a spring pushes; with 0 its angle is inf or -inf.
+    """
+    k = np.where((k == 0) & (offset != 0), limp, k)
+    with np.errstate(divide="ignore"):
+        return np.divide(offset, k, out=np.zeros_like(k), where=(k != 0) | (offset != 0)) + center
+
+
 @step_function
 def nearest(
     k: float, offset: float, k_min: float, k_max: float, low: float, high: float, weight: float

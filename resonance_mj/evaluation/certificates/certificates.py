@@ -13,14 +13,13 @@ import numpy as np
 
 from ...errors import RobotError
 from ...experiments.experiment import Experiment
-from ...laws.automatic_gains import gains
 from ...laws.gains import Gains
 from ...motions.kinematics import Kinematics
 from ...results.cycles import Cycle, kept
 from ...results.run import Run, Status
-from ...robots.robot import Robot, build
+from ...robots.robot import Robot
 from ...springs import spring as springs
-from ...springs.optimum import Optimum, along, best_springs, center, follow
+from ...springs.optimum import Optimum, best_springs
 from .claims import (
     FALLING,
     OF_A_CYCLE,
@@ -55,19 +54,16 @@ def certify(run: Run) -> Certificates:
         RobotError: the robot's file is missing, or is not the one that was run.
         MotionError: the arm cannot follow the motion: likewise.
     """
-    experiment = run.experiment
-    robot = build(experiment)
-    found = follow(experiment, robot)
+    experiment, plan = run.experiment, run.plan
+    robot, chosen, q_s = plan.robot, plan.gains, plan.q_s
     cycles = kept(run)
-    chosen = gains(experiment, robot)
-    q_s = center(experiment.law.q_s, found, robot)
     of_motion = [
         [cycle for cycle in cycles if cycle.motion == index and not cycle.passage]
         for index in range(len(experiment.motion))
     ]
     best: list[Optimum] | list[Optimum | None]
     if robot.m == robot.n:
-        best = along(experiment, robot, found)
+        best = plan.optima
         _check_robot(run, best)
     else:
         best = [_of_motion_made(run, mine) for mine in of_motion]
@@ -75,7 +71,7 @@ def certify(run: Run) -> Certificates:
     for number, (mine, optimum) in enumerate(zip(of_motion, best, strict=True), start=1):
         items += _handovers(number, _pairs(mine, cycles), experiment, robot, chosen, q_s)
         items.append(_optimum(number, optimum, experiment, robot))
-        items += _energies(number, mine, optimum, experiment, robot, chosen)
+        items += _energies(number, mine, optimum, experiment, plan.kinematics, chosen)
     return Certificates(
         name=experiment.name,
         items=tuple(items),
@@ -156,7 +152,7 @@ def _energies(
     mine: list[Cycle],
     best: Optimum | None,
     experiment: Experiment,
-    robot: Robot,
+    kinematics: Kinematics,
     chosen: Gains,
 ) -> list[Certificate]:
     """(15) and (22)."""
@@ -165,7 +161,7 @@ def _energies(
         why = _no_proof(experiment.law.kind)
     elif chosen.jacobian == "transpose":
         why = "there is no proof with Jᵀ in (8)"
-    elif np.linalg.matrix_rank(chosen.learning) < robot.n:
+    elif np.linalg.matrix_rank(chosen.learning) < kinematics.robot.n:
         why = "the learning gain is 0"
     elif best is None:
         why = NO_MOTION
@@ -173,7 +169,6 @@ def _energies(
         why = "no two cycles were kept"
     if why or best is None:
         return [unknown(motion, claim, why) for claim in (PASSIVE, FALLING)]
-    kinematics = Kinematics(robot)
     rows = [balance(cycle, best, experiment, chosen, kinematics) for cycle in mine]
     return [_passivity(motion, rows), _decrease(motion, rows)]
 

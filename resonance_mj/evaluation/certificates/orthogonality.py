@@ -11,6 +11,7 @@ from ...laws import learning
 from ...laws.gains import Gains
 from ...results.cycles import Cycle
 from ...springs import spring as springs
+from ...springs.fit import LinearSprings, fit
 from ...springs.optimum import Optimum
 
 Handover = Callable[[Cycle, Cycle, Gains, np.ndarray, Springs], tuple[np.ndarray, np.ndarray]]
@@ -71,27 +72,9 @@ def untaken(
     Returns:
         Torque (N, n) [N m].
     """
-    mean = q.mean(axis=0)
-    z = q - mean
-    variance = (z**2).mean(axis=0)
-    w = np.where(variance > springs.STILL, learning.spring_like_part(torque, z), 0.0)
-    level = torque.mean(axis=0)
-    shift = mean - center
-    low, high = bounds.equilibrium
-    taken = np.empty_like(torque)
-    for j in range(len(mean)):
-        # About the mean angle, where stiffness and offset do not interact in ∫τ² dt.
-        here = offset[j] - stiffness[j] * shift[j]
-        k, b = springs.nearest(
-            stiffness[j] - w[j],
-            here + level[j],
-            *bounds.stiffness,
-            low - shift[j],
-            high - shift[j],
-            variance[j],
-        )
-        taken[:, j] = (b - here) - (k - stiffness[j]) * z[:, j]
-    return taken
+    acting = LinearSprings(stiffness, offset, center)
+    best = fit(q, torque + acting.torque(q), bounds, center)
+    return best.torque(q) - acting.torque(q)
 
 
 def share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...experiments.expectations import PER_JOINT, Expected, OfMotion
-from ...results.metrics import OPTIMUM_BAND, segments
+from ...results.metrics import OPTIMUM_BAND
 from ...results.run import Run
 from ...status import Status
 from . import histories
@@ -98,7 +98,7 @@ def judge(run: Run) -> list[Judgement]:
 def _status(run: Run, key: str, motion: int, expected: Status) -> Judgement:
     """The status of the run, or of a motion: ok if all its cycles were simulated."""
     whole = motion and (
-        segments(run.data)[motion - 1]["cycles"] == run.experiment.motion[motion - 1].cycles
+        len(run.motions[motion - 1].cycles) == run.experiment.motion[motion - 1].cycles
     )
     found = Status.OK if whole else run.status
     words = Band(str(expected), False, math.nan, math.nan)
@@ -121,7 +121,7 @@ def _of_motion(run: Run, key: str, motion: int, expect: OfMotion) -> Iterator[Ju
                 course = history[figure][:, j]
                 yield Judgement(*where, joint, unit, band, _last(course), course)
         elif figure == "cycles_to_optimum":
-            reached = segments(data)[motion - 1][figure]
+            reached = run.motions[motion - 1].cycles_to_optimum
             course = history["torque_squared_of_optimum"]
             yield Judgement(*where, "", hinge, _band(expected), reached, course)
         else:

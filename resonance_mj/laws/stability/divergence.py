@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...experiments.experiment import Experiment
-from ...motions.kinematics import JointMotion
-from ...robots.robot import Robot
-from ...springs.optimum import Optimum, center
+from ...motions.kinematics import JointMotion, Kinematics
+from ...springs.optimum import Optimum
 from ..gains import Gains
 from . import onset, sampled_loop
 from .onset import Onset
@@ -44,27 +43,30 @@ class Divergence(NamedTuple):
 
 def divergences(
     experiment: Experiment,
-    robot: Robot,
+    kinematics: list[Kinematics],
     gains: Gains,
     found: list[JointMotion],
     optima: list[Optimum],
+    q_c: np.ndarray,
 ) -> list[Divergence | None]:
     """Of each motion of an experiment, how learning it alone will diverge; None if it will not.
 
     Args:
         experiment: what would be run, with a law of this program.
-        robot: its arm.
+        kinematics: of its arm with the payload of each motion.
         gains: as the arm has them.
         found: the joint motions.
         optima: their optima; the springs are taken to be there.
+        q_c: centre of the regressor of (6) (n,) [rad].
     """
-    q_c = center(experiment.law.q_c, found, robot)
-    start = np.concatenate([robot.home, np.zeros(robot.n)])
+    home = kinematics[0].robot.home
+    start = np.concatenate([home, np.zeros_like(home)])
     said = []
-    for motion, joints, best in zip(experiment.motion, found, optima, strict=True):
+    for motion, loaded, joints, best in zip(
+        experiment.motion, kinematics, found, optima, strict=True
+    ):
         begun = np.concatenate([joints.q[0], joints.dq[0]])
         jump = None if motion.blend else start - begun
-        loaded = robot.carrying(motion.payload)
         # Gains beyond all bounds overflow, and are above every limit all the same.
         with np.errstate(over="ignore", invalid="ignore"):
             why = _of_motion(experiment, loaded, gains, joints, best, q_c, jump)
@@ -79,7 +81,7 @@ def divergences(
 
 def _of_motion(
     experiment: Experiment,
-    robot: Robot,
+    kinematics: Kinematics,
     gains: Gains,
     joints: JointMotion,
     best: Optimum,
@@ -88,7 +90,9 @@ def _of_motion(
 ) -> Divergence | None:
     steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
     poses = joints.q[np.arange(POSES) * steps // POSES]
-    arm = sampled_loop.along(experiment, robot, gains, poses, stiffness=best.stiffness, q_c=q_c)
+    arm = sampled_loop.along(
+        experiment, kinematics, gains, poses, stiffness=best.stiffness, q_c=q_c
+    )
     if not arm.stable:
         return None
     loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))

@@ -47,7 +47,7 @@ class SampledLoop(NamedTuple):
 
 def along(
     experiment: Experiment,
-    robot: Robot,
+    kinematics: Kinematics,
     gains: Gains,
     q: np.ndarray,
     *,
@@ -58,7 +58,7 @@ def along(
 
     Args:
         experiment: gives α, α₀, Γ_k, Γ_qe, the time step and the integrator.
-        robot: the arm.
+        kinematics: of the arm.
         gains: its feedback and the form of (8).
         q: joint angles at the poses (P, n) [rad].
         stiffness: of the springs (n,) [N m/rad].
@@ -68,8 +68,8 @@ def along(
         Gravity, Coriolis torque, friction other than viscous, the motors' limits and the bounds of
         the springs are left out. None of them matters far above the motion's own frequencies.
     """
-    law, dt, n = experiment.law, experiment.simulation.timestep, robot.n
-    kinematics = Kinematics(robot)
+    law, dt, robot = experiment.law, experiment.simulation.timestep, kinematics.robot
+    n = robot.n
     M = np.array([kinematics.inertia(pose) for pose in q])
     J = np.array([kinematics.jacobian(pose) for pose in q])
     C = error_signal(robot, gains.jacobian, J, law.alpha, law.alpha_0)

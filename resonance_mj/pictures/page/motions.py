@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ...results import metrics
 from ...results.run import Run
 from ...springs import spring as springs
 from .wording import Number, angle, length, percent, plain, seconds
@@ -71,7 +70,7 @@ class Motion:
 
 def motions(run: Run) -> tuple[Motion, ...]:
     """The last whole cycle of each motion of a run."""
-    return tuple(_motion(run, i, segment) for i, segment in enumerate(metrics.segments(run.data)))
+    return tuple(_motion(run, i, segment) for i, segment in enumerate(run.summary()["segments"]))
 
 
 def _motion(run: Run, index: int, segment: dict[str, Any]) -> Motion:

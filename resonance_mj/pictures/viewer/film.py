@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...laws.memory import Memory
-from ...plan.plan import Prepared, desired
-from ...simulation.recording import equilibrium
+from ...plan.plan import Plan
 from ...springs import spring as springs
+from ...springs.spring import equilibrium_angles as equilibrium
 from ..film import shot as shots
 from ..film.shot import Scale, Shot
 
@@ -22,7 +22,7 @@ OF_SAMPLES = (
 """What a shot has of each sample."""
 
 
-def planned(one: Prepared, cycle: int) -> Shot:
+def planned(one: Plan, cycle: int) -> Shot:
     """A cycle of the run, counted from 0, as it should be: the desired motion, and no torque."""
     segment = one.schedule[cycle]
     steps, dt = one.steps(segment), one.experiment.simulation.timestep
@@ -41,7 +41,7 @@ def planned(one: Prepared, cycle: int) -> Shot:
         first=np.zeros(steps, int),
         period=np.full(steps, steps),
         q=one.joints[segment].q.copy(),
-        x_desired=desired(one, cycle).x[:, : len(axes)].copy(),
+        x_desired=one.desired(cycle).x[:, : len(axes)].copy(),
         error=np.zeros(steps),
         stiffness=none[0],
         equilibrium=none[1],
@@ -62,12 +62,12 @@ def joined(parts: Sequence[Shot]) -> Shot:
     return replace(parts[-1], sample=np.arange(len(cycle)), first=first, **whole)
 
 
-def whole(one: Prepared) -> Shot:
+def whole(one: Plan) -> Shot:
     """A cycle of each motion as it should be: all that the run will come past."""
     return joined([planned(one, one.schedule.index(i)) for i in range(len(one.joints))])
 
 
-def expected(one: Prepared, segment: int) -> Scale:
+def expected(one: Plan, segment: int) -> Scale:
     """What the overlays' full thickness, colour and length stand for while nothing is known.
 
     Args:
@@ -93,7 +93,7 @@ class Film:
         scales: what the overlays' full thickness, colour and length stand for.
     """
 
-    def __init__(self, prepared: Prepared, memory: Memory) -> None:
+    def __init__(self, prepared: Plan, memory: Memory) -> None:
         self._one, self._memory = prepared, memory
         self.shot, self.scales = planned(prepared, 0), expected(prepared, 0)
         self.sample = self._begin = self._filled = 0

@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 
 from ...laws.memory import Memory
-from ...plan.plan import Prepared
+from ...plan.plan import Plan
 from ...results.run import Run
-from ...simulation.simulation import simulate_prepared
+from ...simulation.simulation import simulate_plans
 from ...simulation.stepper import Alone
 from ...status import Status
 from ..film.look import Look
@@ -40,12 +40,12 @@ class Watched(Alone):
     """
 
     def __init__(
-        self, models: list[mujoco.MjModel], prepared: Prepared, window: Window, clock: Clock
+        self, models: list[mujoco.MjModel], prepared: Plan, window: Window, clock: Clock
     ) -> None:
         super().__init__(models)
         self._window, self._clock, self._starts = window, clock, clock.starts
         self._dt = prepared.experiment.simulation.timestep
-        self._memory = Memory(self.userdata, prepared.robot.layout)
+        self._memory = Memory(self.userdata, prepared.layout)
         self._film = Film(prepared, self._memory)
         self._cycle = self._taken = 0
         # A payload's body is one that the window's copy of the arm does not have.
@@ -92,7 +92,7 @@ class Watched(Alone):
 
 
 def live(
-    prepared: Prepared, look: Look, clock: Clock, once: bool, ended: Callable[[Run], None]
+    prepared: Plan, look: Look, clock: Clock, once: bool, ended: Callable[[Run], None]
 ) -> Run | None:
     """Simulate an experiment in a window, until the window is closed.
 
@@ -123,5 +123,5 @@ def live(
                 return run
 
 
-def _simulate(prepared: Prepared, watched: Watched) -> Run:
-    return simulate_prepared([prepared], lambda models: watched)[0]
+def _simulate(prepared: Plan, watched: Watched) -> Run:
+    return simulate_plans([prepared], lambda models: watched)[0]

@@ -66,11 +66,11 @@ def view(
         return what
     display.check()
     from ...callback.callback import refuse_another
-    from ...plan.plan import prepare
+    from ...plan.plan import plan_for
     from .live import live
 
     refuse_another()
-    prepared = prepare(what)
+    prepared = plan_for(what)
     for line in (*prepared.notes, KEYS_HELP):
         note(line)
     return live(prepared, look, Clock(speed), once, ended)

@@ -1,0 +1,140 @@
+"""One motion of a run at a time: what every reader of a run asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from .metrics import cycles_to_optimum, reduction
+
+
+@dataclass(frozen=True)
+class MotionOfRun:
+    """One motion of a run: its whole cycles (C), its optimum, its samples.
+
+    Attributes:
+        number: of the motion, from 1.
+        start: when it begins [s].
+        end: when it would end if all its cycles were simulated [s].
+        period: cycle time [s].
+        cycles: numbers in the run of its whole cycles (C,).
+        passage: whether each is part of the passage into the motion, which teaches nothing (C,).
+        torque_squared: mean of τᵀτ over each cycle (C,) [N² m²].
+        torque_reduction: 1 - torque_squared / that without springs (C,); NaN for a motion that
+            needs no torque.
+        torque_share: torque_reduction over that of the optimum (C,); NaN where no spring helps.
+        tracking_rms: of the position error (C,) [m].
+        rotation_rms: of the rotation error (C,) [rad]; None for a task without rotation.
+        stiffness: k at the end of each cycle (C, n) [N m/rad].
+        offset: q̄_e about `center` likewise (C, n) [N m].
+        equilibrium: q_e likewise (C, n) [rad].
+        center: q_c during each cycle (C, n) [rad].
+        stiffness_optimal: of the best constant springs (n,) [N m/rad].
+        offset_optimal: likewise (n,) [N m].
+        equilibrium_optimal: likewise (n,) [rad].
+        torque_squared_optimal: with the best constant springs [N² m²].
+        torque_squared_without_springs: without any [N² m²].
+        samples: the per-time part of the run's data that belongs to the motion.
+    """
+
+    number: int
+    start: float
+    end: float
+    period: float
+    cycles: np.ndarray
+    passage: np.ndarray
+    torque_squared: np.ndarray
+    torque_reduction: np.ndarray
+    torque_share: np.ndarray
+    tracking_rms: np.ndarray
+    rotation_rms: np.ndarray | None
+    stiffness: np.ndarray
+    offset: np.ndarray
+    equilibrium: np.ndarray
+    center: np.ndarray
+    stiffness_optimal: np.ndarray
+    offset_optimal: np.ndarray
+    equilibrium_optimal: np.ndarray
+    torque_squared_optimal: float
+    torque_squared_without_springs: float
+    samples: xr.Dataset
+
+    @property
+    def torque_reduction_optimal(self) -> float:
+        """1 - torque² of the optimum / that without springs; NaN if no torque is needed."""
+        optimal, without = self.torque_squared_optimal, self.torque_squared_without_springs
+        return float(reduction(optimal, without))
+
+    @property
+    def cycles_to_optimum(self) -> int | None:
+        """First cycle of the motion, from 1, from which torque² stays within 5 % of the optimum."""
+        return cycles_to_optimum(self.torque_squared, self.torque_squared_optimal)
+
+    def summary(self) -> dict[str, Any]:
+        """The motion's figures in its last whole cycle beside the optimum's, as in summary.json.
+
+        What a run that ended early did not reach is None.
+        """
+
+        def last(values: np.ndarray) -> Any:
+            return values[-1].tolist() if len(values) else None
+
+        rotation = {} if self.rotation_rms is None else {"rotation_rms": last(self.rotation_rms)}
+        return {
+            "start_s": self.start,
+            "end_s": self.end,
+            "cycles": len(self.cycles),
+            "torque_reduction": last(self.torque_reduction),
+            "torque_reduction_optimal": self.torque_reduction_optimal,
+            "torque_squared": last(self.torque_squared),
+            "torque_squared_without_springs": self.torque_squared_without_springs,
+            "torque_squared_optimal": self.torque_squared_optimal,
+            "tracking_rms": last(self.tracking_rms),
+            **rotation,
+            "stiffness": last(self.stiffness),
+            "stiffness_optimal": self.stiffness_optimal.tolist(),
+            "offset": last(self.offset),
+            "offset_optimal": self.offset_optimal.tolist(),
+            "cycles_to_optimum": self.cycles_to_optimum,
+        }
+
+
+_PER_CYCLE = ("torque_squared", "torque_reduction", "torque_share", "tracking_rms", "passage")
+_SPRINGS = ("stiffness", "offset", "equilibrium")
+_PER_MOTION = (
+    "start",
+    "end",
+    "period",
+    "torque_squared_optimal",
+    "torque_squared_without_springs",
+)
+
+
+def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
+    """The motions of a run, in order.
+
+    Args:
+        data: `Run.data`.
+    """
+    of_cycle, of_sample = data["segment_of_cycle"].values, data["segment_of_sample"].values
+    found = []
+    for row, number in enumerate(data["segment"].values.tolist()):
+        cycles = of_cycle == number
+        rotation = data["rotation_rms"].values[cycles] if "rotation_rms" in data else None
+        found.append(
+            MotionOfRun(
+                number=number,
+                rotation_rms=rotation,
+                cycles=data["cycle"].values[cycles],
+                center=data["center_per_cycle"].values[cycles],
+                samples=data.isel(time=np.flatnonzero(of_sample == number)),
+                **{name: data[name].values[cycles] for name in _PER_CYCLE},
+                **{name: data[f"{name}_per_cycle"].values[cycles] for name in _SPRINGS},
+                **{f"{name}_optimal": data[f"{name}_optimal"].values[row] for name in _SPRINGS},
+                **{name: data[name].values[row].item() for name in _PER_MOTION},
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,139 @@
+"""One robot of those that step together: what is done before and after each of its cycles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..laws import controller, learning
+from ..laws.memory import COLUMNS, Memory
+from ..plan.plan import Plan
+from ..results.run import Run
+from ..springs.fit import LinearSprings
+from ..status import Status
+from .loading import load_law, load_motion
+from .recording import Recording
+from .stepper import Stepper
+
+
+class Member:
+    """One robot of a batch.
+
+    Args:
+        plan: of its experiment.
+        memory: of the controllers of all robots of the batch.
+        stepper: that advances them.
+        index: of this robot in both.
+    """
+
+    def __init__(self, plan: Plan, memory: Memory, stepper: Stepper, index: int) -> None:
+        self.plan = plan
+        self._memory, self._stepper, self._index = memory, stepper, index
+        self._recording = Recording(plan)
+        self._steps, self._passing = 0, False
+        self.status, self._message = Status.OK, ""
+        stepper.start(index, plan.robot.qpos)
+        load_law(memory, index, plan)
+
+    def begin_cycle(self, cycle: int) -> None:
+        """Set the load, the tables and the springs of a cycle of the run."""
+        plan, index, model = self.plan, self._index, self._stepper.models
+        segment = plan.schedule[cycle]
+        begins = cycle == 0 or segment != plan.schedule[cycle - 1]
+        passed, self._passing = self._passing, plan.blending(cycle) is not None
+        if begins:
+            model[index] = plan.loaded[segment].robot.model
+        if begins or passed or self._passing:
+            load_motion(self._memory, index, plan, cycle)
+        controller.write_springs(
+            self._memory.block(index), model[index].jnt_stiffness, model[index].qpos_spring
+        )
+
+    def end_cycle(self, cycle: int) -> None:
+        """Record a cycle, see how it ended, and learn from it what the next one does."""
+        steps = self.plan.steps(self.plan.schedule[cycle])
+        failed = int(self._memory.scalar("failed_step")[self._index])
+        signals = self._signals(failed - 1 if failed else steps)
+        springs = self._springs
+        self._recording.add(signals, springs, whole=not failed)
+        self._steps += len(signals["q"])
+        self._message = self._what_diverged(cycle, failed)
+        if self._message:
+            self.status = Status.DIVERGED
+        elif cycle + 1 < len(self.plan.schedule):
+            self._learn(cycle, signals, springs)
+
+    def run(self, wall_s: float) -> Run:
+        """The run so far.
+
+        Args:
+            wall_s: wall time of the simulation [s].
+        """
+        return Run(
+            experiment=self.plan.experiment,
+            status=self.status,
+            message=self._message,
+            notes=(*self.plan.notes, *self._recording.notes()),
+            data=self._recording.dataset(),
+            steps=self._steps,
+            simulation_wall_s=wall_s,
+            planned=self.plan,
+        )
+
+    @property
+    def _springs(self) -> LinearSprings:
+        return LinearSprings(*(self._memory[name][self._index] for name in _SPRINGS))
+
+    def _signals(self, steps: int) -> dict[str, np.ndarray]:
+        """Views of what the last cycle's control steps recorded, and of what was desired."""
+        found = {name: self._memory.recorded(name, steps)[self._index] for name in COLUMNS}
+        return found | {"x_desired": self._memory["x_desired"][self._index, :steps]}
+
+    def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
+        """Replace the learned torque of a cycle by that of the next; a passage teaches nothing."""
+        memory, index, plan = self._memory, self._index, self.plan
+        learned = signals["u"]
+        if not self._passing:
+            done = learning.Cycle(
+                u=learned,
+                y=signals["y"],
+                q=signals["q"],
+                q_desired=memory["q_desired"][index, : len(learned)],
+                springs=springs,
+                q_s=memory["q_s"][index],
+            )
+            learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
+            for name, value in zip(_SPRINGS, springs, strict=True):
+                memory[name][index] = value
+        following = plan.steps(plan.schedule[cycle + 1])
+        memory["learned"][index, :following] = learning.resample(learned, following)
+
+    def _what_diverged(self, cycle: int, failed: int) -> str:
+        """Which joint failed, when, why, and what to try; empty if none did."""
+        plan, law = self.plan, self.plan.experiment.law
+        dt = plan.experiment.simulation.timestep
+        where = f"motion {plan.schedule[cycle] + 1} diverged in cycle {cycle + 1} of the run"
+        if failed:
+            joint = plan.robot.joints[int(self._memory.scalar("failed_joint")[self._index])]
+            why = f"{joint} would turn by more than one radian in a time step"
+            where += f", {(failed - 1) * dt:.3f} s into it"
+        else:
+            why = self._recording.diverges()
+            if not why:
+                return ""
+        tries = f"a shorter simulation.timestep (now {dt:g} s)"
+        if cycle == 0:
+            by_hand = law.k_v is not None or law.k_p is not None
+            smaller = (
+                "law.k_v and law.k_p" if by_hand else f"law.omega (now {plan.gains.omega:g} 1/s)"
+            )
+            tries = f"{'smaller' if by_hand else 'a smaller'} {smaller} or {tries}"
+        else:
+            key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
+            tries = f"a smaller law.{key} (now {now:g}) or {tries}"
+            if plan.gains.lead == 0:
+                tries = f"law.lead = 1, {tries}"
+        return f"{where}: {why}; try {tries}"
+
+
+_SPRINGS = ("stiffness", "offset", "q_c")
+"""The springs in the controller's memory."""

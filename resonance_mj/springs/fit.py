@@ -1,0 +1,90 @@
+"""The springs that take the most of a torque: the least squares of (3), in (k, q̄_e).
+
+There ∫τᵀτ dt is a convex quadratic, separate for each joint, and the springs' bounds are a convex
+polygon, so that the best springs are unique: linear least squares, and with bounds the feasible
+point nearest to it in the metric of the cost. The total torque along a motion does not depend on
+who exerts it: the transfer law, the optimum and the certificates all ask the same of `fit`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from . import spring
+
+
+class Bounds(Protocol):
+    """What springs may be."""
+
+    @property
+    def stiffness(self) -> tuple[float, float]:
+        """Least and greatest k [N m/rad]."""
+
+    @property
+    def equilibrium(self) -> tuple[float, float]:
+        """Least and greatest q_e - q_c [rad]; infinite for none."""
+
+
+class LinearSprings(NamedTuple):
+    """One spring per joint: each exerts -k (q - q_c) + q̄_e."""
+
+    stiffness: np.ndarray
+    """k (n,) [N m/rad]."""
+    offset: np.ndarray
+    """Offset torque q̄_e about `center` (n,) [N m]."""
+    center: np.ndarray
+    """Centre q_c (n,) [rad]."""
+
+    def torque(self, q: np.ndarray) -> np.ndarray:
+        """Torque at joint angles (..., n) [N m]."""
+        return spring.torque(self.stiffness, self.offset, q, self.center)
+
+    def about(self, center: np.ndarray) -> LinearSprings:
+        """The same springs, their offset torque about another centre (n,) [rad]."""
+        offset = self.offset + self.stiffness * (self.center - center)
+        return LinearSprings(self.stiffness, offset, center)
+
+
+def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -> LinearSprings:
+    """The feasible constant springs that leave the least ∫(τ - τ_s)ᵀ(τ - τ_s) dt of a torque τ.
+
+    Args:
+        q: joint angles over a cycle, equally spaced in time (N, n) [rad].
+        torque: torque along it, of motor and spring together (N, n) [N m].
+        bounds: of the stiffness, and of the equilibrium angle about `center`.
+        center: q_c, about which the offset torque is given (n,) [rad].
+
+    Note:
+        A joint that stands still gets no stiffness: torque over angle is arbitrary there.
+    """
+    mean = q.mean(axis=0)
+    z = q - mean
+    variance = (z**2).mean(axis=0)
+    slope = np.where(variance > spring.STILL, spring_like_part(torque, z), 0.0)
+    level = torque.mean(axis=0)
+    shift = mean - center
+    low, high = bounds.equilibrium
+    k, b = np.empty_like(mean), np.empty_like(mean)
+    for j in range(len(mean)):
+        # About the mean angle, where stiffness and offset do not interact in the cost.
+        reach = low - shift[j], high - shift[j]
+        k[j], b[j] = spring.nearest(-slope[j], level[j], *bounds.stiffness, *reach, variance[j])
+    return LinearSprings(k, b, mean).about(center)
+
+
+def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
+    """Coefficients w of the part of a torque that a spring could exert, (10).
+
+    Args:
+        v: torque over a cycle (..., N, n) [N m].
+        q_bar: regressor q̄ = q - q_s over the same cycle (..., N, n) [rad].
+
+    Returns:
+        w = ∫ v q̄ dt / ∫ q̄² dt per joint (..., n) [N m/rad]; 0 for a joint with q̄ = 0 throughout.
+    """
+    power = np.einsum("...tj,...tj->...j", q_bar, q_bar)
+    return np.divide(
+        np.einsum("...tj,...tj->...j", v, q_bar), power, out=np.zeros_like(power), where=power > 0
+    )
