@@ -56,6 +56,8 @@ def load(folder: str | os.PathLike[str]) -> dict[str, Any]:
         experiment = validated(Experiment, tomllib.loads(about.experiment), "its experiment")
     except (FileNotFoundError, NotADirectoryError):
         raise OutputError(f"{folder}: holds no run: there is no {path.name} in it") from None
+    except OutputError as error:
+        raise OutputError(f"{path}: {error}") from None
     except Exception as error:  # HDF5 and what reads it raise any for a file that is not as it was
         reason = getattr(error, "strerror", None) or error
         raise OutputError(f"{path}: cannot be read: {reason}") from None
@@ -74,14 +76,14 @@ def _checked(file: BinaryIO) -> int:
     end = file.read()
     if not end.startswith(SEAL):
         raise OutputError(
-            "it is cut off, or no run, or one of an earlier version: simulate its experiment again"
+            "is cut off, or no run, or one of an earlier version; simulate its experiment again"
         )
     file.seek(0)
     digest = hashlib.sha256()
     while size > file.tell():
         digest.update(file.read(min(size - file.tell(), 1 << 20)))
     if end != SEAL + digest.hexdigest().encode() + b"\n":
-        raise OutputError("it is damaged, or was changed after it was saved")
+        raise OutputError("is damaged, or was changed after it was saved; simulate its experiment again")
     return size
 
 
@@ -93,15 +95,16 @@ def _variables(hdf5: h5py.File, size: int) -> xr.Dataset:
             isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)
         )
         if not (inside and isinstance(item, h5py.Dataset)):
-            raise OutputError(f"{name} is no variable of this file")
+            raise OutputError(f"{name} is no variable in this file")
     if sum(item.size * item.dtype.itemsize for item in items.values()) > size:
-        raise OutputError("its variables are larger than the file")
+        raise OutputError("its variables are larger than the file is")
     data = xr.Dataset({name: _variable(name, item) for name, item in items.items()})
     return data.set_coords([name for name in schema.COORDINATES if name in data])
 
 
 def _variable(name: str, item: h5py.Dataset) -> tuple[list[str], np.ndarray, dict[str, Any]]:
-    dims = [name] if item.is_scale else [scale[0].name.strip("/") for scale in item.dims]
+    named = [next((scale.name for scale in axis.values()), "?") for axis in item.dims]
+    dims = [name] if item.is_scale else [scale.strip("/") for scale in named]
     text = h5py.check_string_dtype(item.dtype)
     values = item.asstr()[...].astype(str) if text else item[...]
     return dims, values, {key: item.attrs[key] for key in ATTRIBUTES if key in item.attrs}
