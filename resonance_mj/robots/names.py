@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 UNNAMED = "unnamed_"
@@ -23,8 +23,3 @@ def free(name: str, find: Callable[[str], Any]) -> str:
     while find(name) is not None:
         name += "_"
     return name
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names in a row, for a message."""
-    return ", ".join(filter(None, names)) or "none with a name"

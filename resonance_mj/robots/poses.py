@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from .names import listed
+from ..text import listed
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """The quaternion of no rotation."""
@@ -37,9 +37,8 @@ def _place(element: mujoco.MjsBody, data: mujoco.MjData, body: int, parent: int)
     if element.frame is not None:
         # MuJoCo puts the pose of a <frame> before that of a body in it.
         element.set_frame(element.parent.add_frame())
-    set_pose(
-        element, *_relative(data.xpos[parent], data.xquat[parent], data.xpos[body], data.xquat[body])
-    )
+    at = _relative(data.xpos[parent], data.xquat[parent], data.xpos[body], data.xquat[body])
+    set_pose(element, *at)
 
 
 def _relative(

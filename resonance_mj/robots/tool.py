@@ -9,8 +9,9 @@ import mujoco
 import numpy as np
 
 from ..errors import RobotError
+from ..text import listed, shown
 from . import chain
-from .names import UNNAMED, listed
+from .names import UNNAMED
 
 USUAL_TOOLS = (
     "attachment_site",
@@ -64,16 +65,14 @@ def find_tools(
     )
     if chosen is None:
         raise RobotError(
-            f"{path}: robot.tool = {given!r}: no such site or body; its sites are: "
+            f"{path}: robot.tool = {shown(given)}: no such site or body; its sites are: "
             f"{listed(site.name for site in sites)}; its bodies: {listed(_names_of_bodies(model))}"
         )
     others = [tool for tool in at_end if not tool.name.startswith(UNNAMED)]
     return tuple(dict.fromkeys((chosen, *others)))
 
 
-def _found(
-    model: mujoco.MjModel, at_end: list[Tool], path: Path, notes: list[str]
-) -> Tool:
+def _found(model: mujoco.MjModel, at_end: list[Tool], path: Path, notes: list[str]) -> Tool:
     """The tool by its usual name, else the deepest body."""
     if not at_end:
         for j in range(model.njnt):
