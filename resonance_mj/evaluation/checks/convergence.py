@@ -22,6 +22,8 @@ def explain(missed: Judgement) -> str:
     """What was found, how far off it is, in which cycle it would have passed, and a plot."""
     band, course = missed.band, missed.history
     lines = [f"{title(missed)}: found {number(missed.found, band)}, expected {wanted(band)}"]
+    if missed.why:
+        lines[0] += f": {missed.why}"
     if missed.figure == "cycles_to_optimum":
         band = Band(1.0, True, 1 - OPTIMUM_BAND, 1 + OPTIMUM_BAND)
         lines[0] += "; torque² / that of the optimum, in each cycle:"
