@@ -13,9 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resonance_mj as rmj
+from resonance_mj.evaluation.certificates import orthogonality
 from resonance_mj.evaluation.certificates.orthogonality import untaken
 from resonance_mj.laws import learning
+from resonance_mj.springs import optimum
 from resonance_mj.springs import spring as springs
+from resonance_mj.springs.fit import LinearSprings, fit
 
 ALPHA, K_V, K_P = 10.0, 200.0, 2000.0
 GAMMA_K, GAMMA_QE = np.array([50.0, 5.0]), np.array([150.0, 10.0])
@@ -294,14 +297,14 @@ def test_bounded_springs_leave_torque_that_only_a_better_spring_could_take(numbe
     run = bounded("transfer")
     now = cycle(run, number)
     center = run.data["center"].values[run.data["cycle_of_sample"].values == number][0]
-    springs_now = now["stiffness"][0], now["offset"][0], center
+    acting = LinearSprings(now["stiffness"][0], now["offset"][0], center)
     q, u = cycle(run, number - 1)["q"], now["u"]
     bounds = run.experiment.springs
-    assert np.abs(untaken(u, q, *springs_now, bounds)).max() < 1e-12
+    assert np.abs(untaken(u, q, acting, bounds)).max() < 1e-12
     free = bounds.model_copy(
         update=dict.fromkeys(("stiffness", "equilibrium"), (-math.inf, math.inf))
     )
-    assert np.abs(untaken(u, q, *springs_now, free)).max() > 0.1
+    assert np.abs(untaken(u, q, acting, free)).max() > 0.1
 
 
 def test_printed_12_holds_with_its_own_equilibrium_wherever_the_stiffness_is_free():
@@ -385,6 +388,20 @@ def test_learned_torque_changed_in_one_cycle_is_caught_there():
 def test_a_spring_changed_in_one_cycle_of_a_transfer_is_caught_there():
     item = rmj.certify(tampered(transferred(), "stiffness", 3, 1e-6)).of("(9)")[0]
     assert item.cycles[item.fails].tolist() == [2]
+
+
+@pytest.mark.parametrize("kind", ["stiffness", "offset"])
+def test_an_optimum_that_is_not_one_is_caught_whatever_it_was_found_by(kind, monkeypatch):
+    """(12) is judged by the torque that is left, and does not ask again who found the springs."""
+
+    def wrong(*arguments):
+        best = fit(*arguments)
+        return best._replace(**{kind: 1.000001 * getattr(best, kind)})
+
+    monkeypatch.setattr(optimum, "fit", wrong)
+    monkeypatch.setattr(orthogonality, "fit", wrong, raising=False)
+    run = dataclasses.replace(short(0), planned=None)
+    assert [item.holds for item in rmj.certify(run).of("(12)")] == [False, False]
 
 
 def test_a_robot_that_changed_since_the_run_is_refused(tmp_path):
