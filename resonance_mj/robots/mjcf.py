@@ -74,6 +74,8 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
             the message names the file and the element.
     """
     path = find(mjcf)
+    # MuJoCo takes a mesh from memory if its file has the same time, which counts whole seconds.
+    mujoco.mj_clearCache(mujoco.mj_getCache())
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
