@@ -279,7 +279,7 @@ def test_runs_without_some_figures_are_shown_and_reported(of, request):
     """Every table and every expectation, without a warning that somebody divided by nothing."""
     run = request.getfixturevalue(of)
     figures = dict.fromkeys(("stiffness", "offset", "equilibrium", "torque_reduction"), "optimal")
-    others = dict.fromkeys(("torque_share", "tracking_rms", "cycles_to_optimum"), {"max": 0.0})
+    others = {key: {"max": 0.0} for key in ("torque_share", "tracking_rms", "cycles_to_optimum")}
     experiment = run.experiment.replace({"expect": {**figures, **others}})
     run = dataclasses.replace(run, experiment=experiment)
     console = Console(file=io.StringIO(), width=120)

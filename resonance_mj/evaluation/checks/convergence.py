@@ -93,7 +93,7 @@ def expected(band: Band) -> str:
 
 def tolerance(band: Band) -> str:
     """How far from the expected value passes; empty for bounds and words."""
-    if not isinstance(band.expected, float):
+    if not isinstance(band.expected, float) or math.isnan(band.expected):
         return ""
     width = (band.high - band.low) / 2
     return f"{width:.2g}" if math.isfinite(width) else "any"
@@ -101,10 +101,10 @@ def tolerance(band: Band) -> str:
 
 def number(value: float | str | None, band: Band) -> str:
     """A value with as many decimals as the tolerance has two digits for."""
-    if value is None:
-        return "none"
     if isinstance(value, str | int):
         return str(value)
+    if value is None or math.isnan(value):
+        return "none"
     width = (band.high - band.low) / 2
     if math.isfinite(width) and width > 0:
         decimals = max(0, 1 - math.floor(math.log10(width)))
