@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resonance_mj as rmj
-from resonance_mj.evaluation.certificates import orthogonality
+from resonance_mj.evaluation.certificates import lyapunov, orthogonality
 from resonance_mj.evaluation.certificates.orthogonality import untaken
 from resonance_mj.laws import learning
 from resonance_mj.springs import optimum
@@ -204,6 +204,60 @@ def test_n_and_c_7_are_those_of_the_paper_s_arm_in_closed_form(motion, lead):
         du, y = now["u"] - wanted, np.roll(now["y"], -lead, axis=0)
         assert N[number] == pytest.approx(dot(du, du) + 2 * V_0, rel=1e-6)
         assert c_7[number] == pytest.approx((dot(du, y) - (V_1 - V_0)) / dot(y, y), rel=1e-4)
+
+
+def test_v_grows_along_a_run_as_17_says():
+    """V̇ by differences is yᵀΔu - ‖Δẋ‖²_Kv - α sᵀK_p s + yᵀζ, with ζ from the arm's own mechanics.
+
+    Of what N adds up, this alone knows V: without any one of its three parts it does not hold.
+    """
+    dt = 1e-4
+    run = rmj.simulate(
+        centered(
+            2, 1, simulation__timestep=dt, simulation__integrator="RK4", law__velocity="jacobian"
+        )
+    )
+    plan, now = run.plan, cycle(run, 2)
+    best, q, dq = plan.optima[0], now["q"], now["dq"]
+    y, k, offset, q_c = now["y"], now["stiffness"], now["offset"], plan.q_c
+    t = np.arange(len(q)) * dt
+    x_d, dx_d, _ = two_link.first_motion(t)
+    error = now["x"] - x_d
+    rate = np.einsum("tij,tj->ti", two_link.jacobian(q), dq) - dx_d
+
+    weight = K_P + ALPHA * K_V
+    parts = {
+        "R": [
+            lyapunov.motion_energy(y[i], two_link.inertia(q[i]), 0 * x_d[0], 0 * x_d[0])
+            for i in range(len(q))
+        ],
+        "x": [lyapunov.motion_energy(0 * y[0], np.eye(2), e, np.full(2, weight)) for e in error],
+        "k": [
+            lyapunov.spring_energy(a - best.stiffness, b - best.offset, GAMMA_K, GAMMA_QE)
+            for a, b in zip(k, offset, strict=True)
+        ],
+    }
+
+    def slope(signal):
+        return (np.asarray(signal)[2:] - np.asarray(signal)[:-2]) / (2 * dt)
+
+    dq_r = dq - y
+    # R q̈_r + (Ṙ/2 + S) q̇_r: the torque is quadratic in the speed, and this is its bilinear form.
+    both, one, other = (two_link.coriolis(q, v) for v in (dq + dq_r, dq, dq_r))
+    inertial = np.einsum("tij,tj->ti", two_link.inertia(q)[1:-1], slope(dq_r))
+    mean = ((both - one - other) / 2)[1:-1]
+    needed = best.torque_without_springs - springs.torque(best.stiffness, best.offset, best.q, q_c)
+    pull = springs.torque(best.stiffness, best.offset, q, q_c)
+    zeta = (needed + pull - two_link.D * dq - two_link.gravity(q))[1:-1] - inertial - mean
+    s = np.sin(error)
+    wanted = ((now["u"] - needed) * y - K_V * rate**2 - ALPHA * K_P * s**2).sum(axis=1)[1:-1]
+    wanted += (y[1:-1] * zeta).sum(axis=1)
+    slopes = {name: slope(part) for name, part in parts.items()}
+    size = np.abs(wanted).max()
+    assert np.abs(sum(slopes.values()) - wanted).max() < 0.02 * size
+    for name in parts:
+        without = sum(part for other_name, part in slopes.items() if other_name != name)
+        assert np.abs(without - wanted).max() > 0.2 * size
 
 
 # What the proof says
