@@ -27,9 +27,6 @@ from ...simulation.simulation import simulate
 KEPT = 20
 """Runs that stay on disk, the last used of them."""
 
-SEAL = "seal"
-"""Name of the file that says of which experiment a run on disk is, and that it is whole."""
-
 PACKAGE = Path(__file__).parents[2]
 """The sources that make a run."""
 
@@ -77,10 +74,10 @@ class RunCache:
         if self._folder is None:
             return None
         with suppress(ResonanceError, OSError):
-            folder = self._folder / key
-            if (folder / SEAL).read_bytes() == _seal(folder, key):
-                os.utime(folder)
-                return Run.load(folder)
+            run = Run.load(self._folder / key)
+            if run.experiment.name == key:
+                os.utime(self._folder / key)
+                return run
         return None
 
     def _keep(self, run: Run, key: str) -> None:
@@ -88,8 +85,9 @@ class RunCache:
             return
         beside = self._folder / f"{uuid.uuid4().hex}.tmp"
         try:
-            run.save(beside)
-            (beside / SEAL).write_bytes(_seal(beside, key))
+            # Under the seal of its file the run has its key as its name.
+            named = run.experiment.model_copy(update={"name": key})
+            replace(run, experiment=named).save(beside)
             # What could not be read is in the way; a run that another process put there stays.
             if self._load(key) is None:
                 shutil.rmtree(self._folder / key, ignore_errors=True)
@@ -147,13 +145,3 @@ def _as_bytes(value: Any) -> bytes:
         mujoco.mj_saveModel(value, None, compiled)
         return compiled.tobytes()
     return value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode()
-
-
-def _seal(folder: Path, key: str) -> bytes:
-    """A digest of all that is in the folder of a run, and of the experiment that it is of."""
-    digest = hashlib.sha256(key.encode())
-    for path in sorted(folder.rglob("*")):
-        if path.name != SEAL and path.is_file():
-            content = path.read_bytes()
-            digest.update(f"{path.relative_to(folder)}\0{len(content)}\0".encode() + content)
-    return digest.hexdigest().encode()
