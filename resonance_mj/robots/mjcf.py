@@ -103,17 +103,9 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     path = find(mjcf)
     # MuJoCo takes a mesh from memory if its file has the same time, which counts whole seconds.
     mujoco.mj_clearCache(mujoco.mj_getCache())
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise RobotError(rejected(path, error)) from None
-    # Bodies that are fused would lose their names, and the others their numbers; a payload's body
-    # must not be made one with the tool's. Visuals that are dropped leave nothing to film.
-    spec.compiler.fusestatic = False
-    spec.compiler.discardvisual = False
-    names.name_all(spec.joints, "joint")
-    names.name_all(spec.bodies, "body")
-    model = compile_spec(spec, path)
+    # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
+    # that has been compiled copies all of them each time.
+    model, spec = compile_spec(_spec(path, visuals=False), path), _spec(path, visuals=True)
     notes: list[str] = []
     tools = find_tools(model, tool, path, notes)
     site, body = tools[0].name, int(model.body(tools[0].body).id)
@@ -152,6 +144,27 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if has_key else None,
         notes=notes,
     )
+
+
+def _spec(path: Path, *, visuals: bool) -> mujoco.MjSpec:
+    """A file as an editable model, in which every joint and body has a name.
+
+    Args:
+        path: of the file.
+        visuals: whether what is only seen is kept; it is where MuJoCo needs it for inertias.
+    """
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise RobotError(rejected(path, error)) from None
+    # Bodies that are fused would lose their names, and the others their numbers; a payload's body
+    # must not be made one with the tool's.
+    spec.compiler.fusestatic = False
+    needed = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    spec.compiler.discardvisual = not (visuals or needed)
+    names.name_all(spec.joints, "joint")
+    names.name_all(spec.bodies, "body")
+    return spec
 
 
 def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoco.MjData, bool]:

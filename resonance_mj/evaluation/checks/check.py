@@ -13,22 +13,12 @@ from ...experiments.expectations import PER_JOINT, WITH_OPTIMUM, Expected, OfMot
 from ...results.metrics import OPTIMUM_BAND
 from ...results.motions import MotionOfRun
 from ...results.run import Run
+from ...results.schema import OF_SLIDES, VARIABLES
 from ...status import Status
 
 OF_SPRING, OF_TORQUE = 0.01, 0.001
 """By which share of the optimal spring, or of the RMS torque without springs where that is more, a
 spring that is to be optimal may differ from the optimum if no tolerance is given."""
-
-UNITS = {
-    "stiffness": ("N m/rad", "N/m"),
-    "offset": ("N m", "N"),
-    "equilibrium": ("rad", "m"),
-    "torque_reduction": ("", ""),
-    "torque_share": ("", ""),
-    "tracking_rms": ("m", "m"),
-    "cycles_to_optimum": ("", ""),
-}
-"""Of each figure, for hinge and for slide joints."""
 
 
 class Band(NamedTuple):
@@ -111,7 +101,8 @@ def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Ju
     motion, slides = run.motions[number - 1], run.data["slides"].values
     names, near = run.data["joint"].values.tolist(), _near(motion)
     for figure, expected in expect.figures().items():
-        unit, course = UNITS[figure], _course(motion, figure)
+        course = _course(motion, figure)
+        unit = VARIABLES[figure].units.replace("1", "") if figure in VARIABLES else ""
         best = getattr(motion, f"{figure}_optimal") if figure in WITH_OPTIMUM else None
         joints = expected.joints or names if figure in PER_JOINT else [""]
         for row, joint in enumerate(joints):
@@ -123,7 +114,7 @@ def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Ju
                 motion=number,
                 figure=figure,
                 joint=joint,
-                unit=unit[slides[j]] if joint else unit[0],
+                unit=OF_SLIDES.get(unit, unit) if joint and slides[j] else unit,
                 band=_band(_of_joint(expected, row), best, near.get(figure), j),
                 found=found,
                 history=of,

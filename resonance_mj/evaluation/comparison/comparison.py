@@ -28,6 +28,12 @@ STEADY = 0.05
 """Relative spread of torque² over the second half of a long run up to which it counts as held."""
 
 
+OF_SUMMARY = (
+    "torque_reduction", "torque_reduction_optimal", "cycles_to_optimum", "tracking_rms"
+)  # fmt: skip
+"""What a row has of a run's summary."""
+
+
 class Verdict(NamedTuple):
     """What a long run of the last motion showed."""
 
@@ -70,11 +76,11 @@ class Comparison:
     def rows(self) -> list[dict[str, Any]]:
         """A dict per law and motion, of the motion's last cycle.
 
-        law, title, motion, torque_reduction, torque_reduction_optimal, share (of the possible
-        reduction), cycles_to_optimum, tracking_rms [m], peak_torque (the highest of any joint)
-        [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J], status, and
-        long_run in the last motion's. None for what a run that diverged did not reach, and for a
-        share of nothing.
+        law, title, motion, share (of the possible reduction), torque_reduction,
+        torque_reduction_optimal, cycles_to_optimum, tracking_rms [m], peak_torque (the highest of
+        any joint) [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J],
+        status, and long_run in the last motion's. None for what a run that diverged did not reach,
+        and for a share of nothing.
         """
         return [
             finite({"law": name, "title": title, **figures})
@@ -128,18 +134,15 @@ class Comparison:
         run, verdict = self.runs[name], self.verdict(name)
         found = []
         for motion in run.motions:
-            summary, share = motion.summary(), motion.torque_share
-            kept = ("torque_reduction", "torque_reduction_optimal")
-            kept_too = ("cycles_to_optimum", "tracking_rms")
+            share, last = motion.torque_share, motion is run.motions[-1]
             found.append(
                 {
                     "motion": motion.number,
-                    **{key: summary[key] for key in kept},
                     "share": share[-1].item() if len(share) else None,
-                    **{key: summary[key] for key in kept_too},
+                    **{key: motion.summary()[key] for key in OF_SUMMARY},
                     **_effort(run, motion),
                     "status": str(run.status),
-                    "long_run": str(verdict) if verdict and motion is run.motions[-1] else None,
+                    "long_run": str(verdict) if verdict and last else None,
                 }
             )
         return found
