@@ -101,6 +101,8 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
             the message names the file and the element.
     """
     path = find(mjcf)
+    # MuJoCo takes a mesh from memory if its file has the same time, which counts whole seconds.
+    mujoco.mj_clearCache(mujoco.mj_getCache())
     # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
     # that has been compiled copies all of them each time.
     model, spec = compile_spec(_spec(path, visuals=False), path), _spec(path, visuals=True)
