@@ -1,4 +1,4 @@
-"""A figure laid out in inches: heading, legend, and rows of panels.
+"""A figure laid out in inches: heading, legend, and rows of panels with their titles.
 
 Margins are fixed and text is measured beforehand: matplotlib's own layout draws all texts to
 measure them, which takes longer than the simulation.
@@ -6,16 +6,20 @@ measure them, which takes longer than the simulation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from string import ascii_lowercase
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ...results.run import Run
 from ..palette import NOTE
-from .style import FONT, HEADING, SMALL, breadth
-from .text import fitting, width_of, wrapped
+from .measuring import fitting, width_of, wrapped
+from .style import FONT, HEADING, SMALL
 
 EDGE, RIGHT = 0.08, 0.12
 """Above the heading, and right of the panels [in]."""
@@ -46,43 +50,40 @@ class Sheet:
         rows: of panels, from above.
         columns: of panels.
         heading: wrapped to the width.
-        legend: handles by what they mean; as many beside each other as there is room for.
+        legend: what each line means, and how it is drawn; as many beside each other as fit.
         left: what numbers and label of an ordinate take [in].
         right: what is left free beside the panels [in].
+        lettered: whether each panel's title begins with a letter.
     """
 
     def __init__(
         self,
         width: float,
         rows: Sequence[Row],
-        columns: int,
+        columns: int = 1,
         *,
         heading: str,
-        legend: Mapping[str, Line2D] | None = None,
+        legend: Mapping[str, Mapping[str, Any]] | None = None,
         left: float = 0.5,
         right: float = RIGHT,
+        lettered: bool = True,
     ) -> None:
         self._rows, self._left = rows, left
         self._across = (width - columns * left - right) / columns
+        self._letters = _letters() if lettered else None
         lines = wrapped(heading, HEADING, width - left - RIGHT)
         entries = _packed(legend or {}, width - left - RIGHT)
-        line, small = 1.35 * HEADING / 72, 1.6 * SMALL / 72
-        words = EDGE + line * len(lines)
+        small = 1.6 * SMALL / 72
+        words = EDGE + 1.35 * HEADING / 72 * len(lines)
         self._top = words + small * len(entries) + 0.04
-        height = self._top + sum(sum(row) for row in rows) + 0.05
+        height = self._top + sum(map(sum, rows)) + 0.05
         self.figure = Figure(figsize=(width, height))
-        self.figure.suptitle(
-            "\n".join(lines),
-            x=left / width,
-            y=1 - EDGE / height,
-            ha="left",
-            va="top",
-            fontsize=HEADING,
-        )
+        at = {"x": left / width, "y": 1 - EDGE / height, "ha": "left", "va": "top"}
+        self.figure.suptitle("\n".join(lines), **at, fontsize=HEADING)
         for number, row in enumerate(entries):
             self.figure.legend(
-                list(row.values()),
-                list(row),
+                [Line2D([], [], **legend[name]) for name in row] if legend else [],
+                row,
                 loc="upper left",
                 bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * small) / height),
                 ncols=len(row),
@@ -93,44 +94,48 @@ class Sheet:
                 columnspacing=GAP,
             )
 
-    def panel(self, row: int, column: int = 0, span: int = 1, down: int = 1) -> Axes:
-        """Axes in a row and a column.
+    def panel(
+        self,
+        row: int,
+        column: int,
+        *wordings: str,
+        name: str = "",
+        among: Sequence[str] = (),
+        notes: Sequence[str] = (),
+        span: int = 1,
+        down: int = 1,
+    ) -> Axes:
+        """Axes with a title above.
 
         Args:
             row: index of the (first) row.
             column: index of the (first) column.
+            wordings: of the title, from long to short, with {} for `name`.
+            name: of what is shown, such as a joint.
+            among: names in panels of this kind: all are called in the longest wording that fits.
+            notes: lines in small letters between title and panel.
             span: columns that it takes.
             down: rows that it takes.
         """
         width, height = self.figure.get_size_inches()
-        above = self._top + sum(sum(each) for each in self._rows[:row]) + self._rows[row].above
-        last = self._rows[row + down - 1]
-        tall = sum(sum(each) for each in self._rows[row : row + down])
-        tall -= self._rows[row].above + last.below
+        above = self._top + sum(map(sum, self._rows[:row])) + self._rows[row].above
+        rows = self._rows[row : row + down]
+        tall = sum(map(sum, rows)) - rows[0].above - rows[-1].below
         left = self._left + column * (self._across + self._left)
         wide = span * self._across + (span - 1) * self._left
-        return self.figure.add_axes(
+        ax = self.figure.add_axes(
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
-
-    @property
-    def room(self) -> float:
-        """Width that every panel has for its title, those at the right edge too [in]."""
-        return self._across + min(self._left - 0.1, RIGHT - 0.03)
-
-    def title(self, ax: Axes, *wordings: str, notes: Sequence[str] = ()) -> None:
-        """Write above a panel, in the longest wording that fits.
-
-        Args:
-            ax: the panel.
-            wordings: from long to short.
-            notes: lines in small letters between title and panel.
-        """
-        room = breadth(ax) + self._left - 0.1  # the gap to the next panel, but for a space
-        right = (1 - float(ax.get_position().x0)) * float(self.figure.get_size_inches()[0])
-        room = min(room, right - 0.03)
+        letter = f"({next(self._letters)}) " if self._letters else ""
+        room = wide + min(self._left - 0.1, RIGHT - 0.03)  # at the right edge too
+        fits = (
+            all(width_of(f"(m) {one.replace('{}', other)}", FONT) <= room for other in among)
+            for one in wordings
+        )
+        first = next((i for i, all_fit in enumerate(fits) if all_fit), len(wordings) - 1)
         pitch = 1.35 * SMALL  # of the notes [pt]
-        ax.set_title(fitting(wordings, FONT, room), pad=4 + pitch * len(notes))
+        title = fitting([letter + one for one in wordings[first:]], FONT, room, name)
+        ax.set_title(title, pad=4 + pitch * len(notes))
         for line, note in enumerate(reversed(notes)):
             ax.annotate(
                 fitting([note], SMALL, room),
@@ -141,17 +146,41 @@ class Sheet:
                 fontsize=SMALL,
                 color=NOTE,
             )
+        return ax
 
 
-def _packed(legend: Mapping[str, Line2D], room: float) -> list[dict[str, Line2D]]:
+def abscissa_of_the_panel_below(ax: Axes) -> None:
+    """Leave out an abscissa that is that of the panel below."""
+    ax.tick_params(labelbottom=False)
+    ax.set_xlabel("")
+
+
+def heading(run: Run) -> str:
+    """What was run, under which law, and how it ended."""
+    law, motions = run.experiment.law, run.experiment.motion
+    periods = ", ".join(f"{motion.cycles} × {motion.period:g} s" for motion in motions)
+    form = f" (J {law.jacobian})" if law.jacobian else ""
+    return (
+        f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, "
+        f"law {Path(law.kind).stem}{form}, cycles {periods}; {run.status}"
+    )
+
+
+def _letters() -> Iterator[str]:
+    """Letters that name panels: a, b, ..., z, aa, ab, ..."""
+    yield from ascii_lowercase
+    yield from map("".join, product(ascii_lowercase, repeat=2))
+
+
+def _packed(legend: Mapping[str, Any], room: float) -> list[list[str]]:
     """The entries of a legend in rows, as many in each as there is room for [in]."""
-    rows: list[dict[str, Line2D]] = []
+    rows: list[list[str]] = []
     size, used = SMALL / 72, room
-    for label, line in legend.items():
+    for label in legend:
         wide = width_of(label, SMALL) + (HANDLE + 0.5) * size
         if used + wide > room:
-            rows.append({})
+            rows.append([])
             used = 0.0
-        rows[-1][label] = line
+        rows[-1].append(label)
         used += wide + GAP * size
     return rows
