@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ...errors import PictureError
+from ...text import nearest, shown
 from .sizes import PAGE
 
 if TYPE_CHECKING:
@@ -71,10 +72,14 @@ class Entry:
         Raises:
             PictureError: it cannot be drawn of these runs.
         """
+        from .style import styled
+
         lacks = self.lacks(runs)
         if lacks:
             raise PictureError(f"figure {self.name}: {lacks}")
-        drawn: Figure = import_module(f".{self.name}", __package__).draw(runs, width)
+        module = import_module(f".{self.name}", __package__)
+        with styled():
+            drawn: Figure = module.draw(runs if self.several else runs[0], width)
         return drawn
 
 
@@ -145,8 +150,10 @@ def named(name: str) -> Entry:
     for entry in FIGURES:
         if entry.name == name:
             return entry
-    names = ", ".join(entry.name for entry in FIGURES)
-    raise PictureError(f"figure {name!r} is unknown; there are {names}")
+    names = [entry.name for entry in FIGURES]
+    raise PictureError(
+        f"figure {shown(name)} is unknown{nearest(name, names)}; there are {', '.join(names)}"
+    )
 
 
 def _has(run: Run, needs: str) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -54,14 +54,20 @@ def curve(ax: Axes, run: Run, values: np.ndarray, **style: Any) -> None:
         ax.plot(cycles[-1:], values[-1:], "x", color=line.get_color(), ms=6, mew=1.5)
 
 
-def errors(runs: Sequence[Run]) -> Iterator[tuple[str, list[np.ndarray | None]]]:
-    """The titles of panels of the tool's errors, and what each run has to show in them."""
+def errors(runs: Sequence[Run]) -> dict[str, list[np.ndarray]]:
+    """The tool's errors by their panels' titles, each run's (cycles,); NaN for one without."""
+    found = {}
     for title, name, scale in (
         ("tracking RMS of the tool's position [mm]", "tracking_rms", 1e3),
         ("tracking RMS of the tool's rotation [rad]", "rotation_rms", 1.0),
     ):
         if any(name in run.data for run in runs):
-            yield title, [scale * run.data[name].values if name in run.data else None for run in runs]
+            none = [np.full(run.data.sizes["cycle"], np.nan) for run in runs]
+            found[title] = [
+                scale * run.data[name].values if name in run.data else other
+                for run, other in zip(runs, none, strict=True)
+            ]
+    return found
 
 
 def torque_squared_title(run: Run) -> str:
@@ -111,7 +117,7 @@ def _reductions(ax: Axes, run: Run) -> None:
             ]
         ax.annotate(
             fitting(wordings, SMALL, width * motion.cycles.size - 0.06),
-            (motion.cycles[-1] + 0.5, motion.torque_squared_without_springs),
+            (motion.cycles[-1] + 0.5, motion.torque_squared_without_springs or ax.get_ylim()[0]),
             xytext=(-2, 3),
             textcoords="offset points",
             ha="right",

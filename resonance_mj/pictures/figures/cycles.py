@@ -10,11 +10,11 @@ from ...results.run import Run
 from ..palette import OPTIMAL
 from . import cycle_axis
 from .sheet import Row, Sheet, heading
-from .style import BAND, LINES
+from .style import BAND, LINES, Line
 from .ticks import logarithmic
 
-REACHED = {"color": OPTIMAL, "marker": "D", "mfc": "white", "ms": 4, "linestyle": ""}
-LEGEND = {
+REACHED: Line = {"color": OPTIMAL, "marker": "D", "mfc": "white", "ms": 4, "linestyle": ""}
+LEGEND: dict[str, Line] = {
     **{name: line for name, line in LINES.items() if name != "desired"},
     f"within {OPTIMUM_BAND:.0%} of the optimum": {**BAND, "linewidth": 5},
     "within it from here on": REACHED,
@@ -28,15 +28,14 @@ def draw(run: Run, width: float) -> Figure:
         run: with at least one whole cycle.
         width: of the figure [in].
     """
-    errors = list(cycle_axis.errors([run]))
+    errors = cycle_axis.errors([run])
     rows = [Row(1.7), *[Row(1.1)] * len(errors)]
     sheet = Sheet(width, rows, heading=heading(run), legend=LEGEND)
     torque = sheet.panel(0, 0, cycle_axis.torque_squared_title(run))
     cycle_axis.torque_squared(torque, run)
     _optimum(torque, run)
-    for row, (title, (values,)) in enumerate(errors, start=1):
+    for row, (title, (values,)) in enumerate(errors.items(), start=1):
         ax = sheet.panel(row, 0, title)
-        assert values is not None
         cycle_axis.curve(ax, run, values, **LINES["measured"])
         logarithmic(ax)
         cycle_axis.motions(ax, run.experiment, named=True)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from ...files import replacing
-from ...forking import meanwhile
 from .sizes import DPI, FORMATS
-from .style import STYLE
+from .style import styled
 
 
+@styled()
 def save(
     drawn: Figure,
     folder: Path,
@@ -38,25 +37,10 @@ def save(
     Raises:
         OutputError: a file cannot be written.
     """
-    paths = {kind: folder / f"{name}.{kind}" for kind in formats}
-    work = {kind: _writer(kind, drawn, path, dpi) for kind, path in paths.items()}
-    png = work.pop("png", None)
-    if png and work:
-        with meanwhile(png) as done:
-            for write in work.values():
-                write()
-        if not done():
-            png()
-    else:
-        for write in filter(None, (png, *work.values())):
-            write()
-    return list(paths.values())
-
-
-def _writer(kind: str, drawn: Figure, path: Path, dpi: float) -> Callable[[], None]:
-    # Each canvas is told to print itself: Figure.savefig draws everything twice.
-    def write() -> None:
-        with matplotlib.rc_context(STYLE), replacing(path) as beside:
+    paths = [folder / f"{name}.{kind}" for kind in formats]
+    for kind, path in zip(formats, paths, strict=True):
+        # Each canvas is told to print itself: Figure.savefig draws everything twice.
+        with replacing(path) as beside:
             if kind == "svg":
                 FigureCanvasSVG(drawn).print_svg(beside, metadata={"Date": None})
             elif kind == "pdf":
@@ -66,5 +50,4 @@ def _writer(kind: str, drawn: Figure, path: Path, dpi: float) -> Callable[[], No
             else:
                 drawn.set_dpi(dpi)
                 FigureCanvasAgg(drawn).print_png(beside, pil_kwargs={"compress_level": 6})
-
-    return write
+    return paths

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from string import ascii_lowercase
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from ...results.run import Run
 from ..palette import NOTE
 from .measuring import fitting, width_of, wrapped
-from .style import FONT, HEADING, SMALL
+from .style import FONT, HEADING, SMALL, Line
 
 EDGE, RIGHT = 0.08, 0.12
 """Above the heading, and right of the panels [in]."""
@@ -63,13 +63,14 @@ class Sheet:
         columns: int = 1,
         *,
         heading: str,
-        legend: Mapping[str, Mapping[str, Any]] | None = None,
+        legend: Mapping[str, Line] | None = None,
         left: float = 0.5,
         right: float = RIGHT,
         lettered: bool = True,
     ) -> None:
         self._rows, self._left = rows, left
         self._across = (width - columns * left - right) / columns
+        self._beyond = min(left - 0.1, RIGHT - 0.03)  # a title may be wider than its panel
         self._letters = _letters() if lettered else None
         lines = wrapped(heading, HEADING, width - left - RIGHT)
         entries = _packed(legend or {}, width - left - RIGHT)
@@ -78,8 +79,14 @@ class Sheet:
         self._top = words + small * len(entries) + 0.04
         height = self._top + sum(map(sum, rows)) + 0.05
         self.figure = Figure(figsize=(width, height))
-        at = {"x": left / width, "y": 1 - EDGE / height, "ha": "left", "va": "top"}
-        self.figure.suptitle("\n".join(lines), **at, fontsize=HEADING)
+        self.figure.suptitle(
+            "\n".join(lines),
+            x=left / width,
+            y=1 - EDGE / height,
+            ha="left",
+            va="top",
+            fontsize=HEADING,
+        )
         for number, row in enumerate(entries):
             self.figure.legend(
                 [Line2D([], [], **legend[name]) for name in row] if legend else [],
@@ -100,7 +107,6 @@ class Sheet:
         column: int,
         *wordings: str,
         name: str = "",
-        among: Sequence[str] = (),
         notes: Sequence[str] = (),
         span: int = 1,
         down: int = 1,
@@ -112,7 +118,6 @@ class Sheet:
             column: index of the (first) column.
             wordings: of the title, from long to short, with {} for `name`.
             name: of what is shown, such as a joint.
-            among: names in panels of this kind: all are called in the longest wording that fits.
             notes: lines in small letters between title and panel.
             span: columns that it takes.
             down: rows that it takes.
@@ -127,14 +132,9 @@ class Sheet:
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
         letter = f"({next(self._letters)}) " if self._letters else ""
-        room = wide + min(self._left - 0.1, RIGHT - 0.03)  # at the right edge too
-        fits = (
-            all(width_of(f"(m) {one.replace('{}', other)}", FONT) <= room for other in among)
-            for one in wordings
-        )
-        first = next((i for i, all_fit in enumerate(fits) if all_fit), len(wordings) - 1)
+        room = wide + self._beyond
         pitch = 1.35 * SMALL  # of the notes [pt]
-        title = fitting([letter + one for one in wordings[first:]], FONT, room, name)
+        title = fitting([letter + wording for wording in wordings], FONT, room, name)
         ax.set_title(title, pad=4 + pitch * len(notes))
         for line, note in enumerate(reversed(notes)):
             ax.annotate(
@@ -147,6 +147,20 @@ class Sheet:
                 color=NOTE,
             )
         return ax
+
+    def alike(self, wordings: Sequence[str], names: Sequence[str]) -> Sequence[str]:
+        """The wordings of a title from the first on that has room for each name.
+
+        Args:
+            wordings: from long to short, with {} for the name.
+            names: in panels of one kind and one column wide, which are to be called alike.
+        """
+        room = self._across + self._beyond
+        for i, wording in enumerate(wordings):
+            titles = (f"(m) {wording.replace('{}', name)}" for name in names)
+            if all(width_of(title, FONT) <= room for title in titles):
+                return wordings[i:]
+        return wordings[-1:]
 
 
 def abscissa_of_the_panel_below(ax: Axes) -> None:
@@ -172,7 +186,7 @@ def _letters() -> Iterator[str]:
     yield from map("".join, product(ascii_lowercase, repeat=2))
 
 
-def _packed(legend: Mapping[str, Any], room: float) -> list[list[str]]:
+def _packed(legend: Mapping[str, Line], room: float) -> list[list[str]]:
     """The entries of a legend in rows, as many in each as there is room for [in]."""
     rows: list[list[str]] = []
     size, used = SMALL / 72, room

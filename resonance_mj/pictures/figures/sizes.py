@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...errors import PictureError
+from ...text import shown
 
 COLUMN, PAGE = 3.5, 7.16
 """Widths of a column and of a page with two columns in IEEE's journals [in]."""
 
-FORMATS = ("svg", "png")
-"""As what a figure is written if nothing else is asked for."""
+NARROWEST, WIDEST = 3.0, 20.0
+KINDS, FORMATS = ("svg", "png", "pdf"), ("svg", "png")
+"""As what a figure can be written, and is if nothing else is asked for."""
 
-KINDS = ("svg", "png", "pdf")
 DPI, DRAFT = 300.0, 170.0
 """Pixels per inch of a PNG, and of the one that each run leaves: in print, and on a screen."""
 
-NAMED = {"column": COLUMN, "page": PAGE}
-NARROWEST, WIDEST = 3.0, 20.0
 COARSEST, FINEST = 50, 1200
 
 
@@ -31,12 +30,12 @@ def inches(width: str | float) -> float:
         PictureError: it is none of these, or too narrow or too wide to draw in.
     """
     try:
-        found = NAMED[width] if isinstance(width, str) and width in NAMED else float(width)
+        found = float({"column": COLUMN, "page": PAGE}.get(str(width), width))
     except (TypeError, ValueError):
         found = float("nan")
     if not NARROWEST <= found <= WIDEST:
         raise PictureError(
-            f"width {width!r}: give column, page, or inches from {NARROWEST:g} to {WIDEST:g}"
+            f"width {shown(width)}: give column, page, or inches from {NARROWEST:g} to {WIDEST:g}"
         )
     return found
 
@@ -47,11 +46,10 @@ def kinds(formats: Sequence[str]) -> list[str]:
     Raises:
         PictureError: one of them is unknown, or none is given.
     """
-    for kind in formats:
-        if kind not in KINDS:
-            raise PictureError(f"format {kind!r} is unknown; there are {', '.join(KINDS)}")
-    if not formats:
-        raise PictureError(f"no format is given; there are {', '.join(KINDS)}")
+    unknown = [kind for kind in formats if kind not in KINDS]
+    if unknown or not formats:
+        what = f"format {shown(unknown[0])} is unknown" if unknown else "no format is given"
+        raise PictureError(f"{what}; there are {', '.join(KINDS)}")
     return list(dict.fromkeys(formats))
 
 

@@ -17,10 +17,13 @@ FONT, SMALL, HEADING = 8.0, 7.0, 9.0
 LABEL_BOX = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1}
 """Behind words that stand on lines."""
 
-BAND = {"color": OPTIMAL, "alpha": 0.2}
+Line = Mapping[str, Any]
+"""How a line is drawn, in matplotlib's words."""
+
+BAND: Line = {"color": OPTIMAL, "alpha": 0.2}
 """What counts as at the optimum."""
 
-STYLE: Mapping[str, Any] = {
+STYLE: Any = {
     "font.size": FONT,
     "text.parse_math": False,  # a joint may be called $\bad$
     "axes.titlesize": FONT,
@@ -50,7 +53,7 @@ STYLE: Mapping[str, Any] = {
     "pdf.fonttype": 42,  # TrueType, embedded: journals refuse matplotlib's Type 3
 }
 
-LINES: Mapping[str, Mapping[str, Any]] = {
+LINES: Mapping[str, Line] = {
     "measured": {"color": MEASURED},
     "desired": {"color": DESIRED, "linestyle": "--"},
     "with optimal springs": {"color": OPTIMAL, "linestyle": "--"},
@@ -62,11 +65,11 @@ _DRAWING = RLock()
 
 
 @contextmanager
-def styled(settings: Mapping[str, Any] = STYLE) -> Iterator[None]:
+def styled(settings: Any = STYLE) -> Iterator[None]:
     """Draw or write in a style, one thread at a time: matplotlib has one for the whole process.
 
     Args:
         settings: matplotlib's, by name.
     """
-    with _DRAWING, matplotlib.rc_context(dict(settings)):
+    with _DRAWING, matplotlib.rc_context(settings):
         yield
