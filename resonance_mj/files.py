@@ -54,6 +54,14 @@ def read_text(
     raise error("; ".join(filter(None, (f"{where or cut(str(path), 200)}: {reason}", needed))))
 
 
+def is_file(path: str | os.PathLike[str]) -> bool:
+    """Whether a regular file is there; not if its name is one that no file can have."""
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def _without_waiting(path: str, flags: int) -> int:
     """Open a file; a pipe that nobody writes to is opened too, and not waited for."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))

@@ -121,7 +121,8 @@ def measure(case: Case) -> Found:
 def main() -> None:
     """Print the table."""
     heads = ("arm", "home", "task", "motion", "status", "less torque² than without springs")
-    heads += ("torque² / bounded optimum", "position RMS [mm]", "rotation RMS [mrad]")
+    heads += ("torque² / bounded optimum of the motion made", "position RMS [mm]", "rotation RMS [mrad]")
+    heads += ("first cycle at the optimum",)
     print("| " + " | ".join(heads) + " |")
     print("|" + "---|" * len(heads))
     for case in CASES:
@@ -130,7 +131,7 @@ def main() -> None:
         print(
             f"| {case.arm} | {case.home} | {case.task} | {case.motion} | {found.run.status} | "
             f"{found.reduction:.2%} | {found.torque_ratio:.4f} | {found.tracking_rms * 1e3:.3f} | "
-            f"{turned} |",
+            f"{turned} | {found.run.motions[0].cycles_to_optimum or 'never'} |",
             flush=True,
         )
 

@@ -1,5 +1,8 @@
 """The law inside MuJoCo's control callback: one source, two ways to run, and one global pointer."""
 
+import subprocess
+import sys
+
 import mujoco
 import numpy as np
 import pytest
@@ -7,6 +10,7 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj import library
 from resonance_mj.callback import callback
+from resonance_mj.callback import foreign as foreign_callbacks
 from resonance_mj.callback.callback import installed
 from resonance_mj.errors import CallbackError
 from resonance_mj.laws import controller
@@ -78,7 +82,7 @@ def test_compiled_and_interpreted_law_agree_to_the_last_bit(integrator, law, tmp
 
 
 def pointer():
-    return callback._pointer_in_libmujoco()
+    return foreign_callbacks.pointer("control")
 
 
 @pytest.mark.parametrize("interpret", [False, True])
@@ -146,7 +150,7 @@ def foreign():
 
 
 def test_foreign_callback_is_refused_and_left_in_place(foreign):
-    with pytest.raises(CallbackError, match="another control callback"), installed():
+    with pytest.raises(CallbackError, match="mjcb_control, is installed"), installed():
         pass
     assert mujoco.get_mjcb_control() is foreign
 
@@ -154,9 +158,29 @@ def test_foreign_callback_is_refused_and_left_in_place(foreign):
 @pytest.mark.parametrize("run", [rmj.simulate, lambda experiment: rmj.simulate_many([experiment])])
 def test_simulation_under_a_foreign_callback_says_so(foreign, run):
     """MuJoCo calls it while it compiles a model: the refusal must come before that."""
-    with pytest.raises(CallbackError, match="another control callback"):
+    with pytest.raises(CallbackError, match="mjcb_control, is installed"):
         run(short())
     assert mujoco.get_mjcb_control() is foreign
+
+
+@pytest.mark.parametrize("name", ["control", "passive", "act_gain", "contactfilter"])
+def test_a_users_callback_is_named_before_anything_is_compiled(name):
+    """In a process of its own, in which nothing has been simulated yet."""
+    code = f"""import mujoco, resonance_mj as rmj
+def mine(*_):
+    raise RuntimeError("not yours to call")
+mujoco.set_mjcb_{name}(mine)
+for run in (rmj.simulate, rmj.optimum):
+    try:
+        run(rmj.load("paper"))
+    except rmj.ResonanceError as error:
+        print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert len(lines) == 2
+    assert all(f"mjcb_{name}, is installed" in line for line in lines)
+    assert done.stderr == ""
 
 
 def test_other_models_are_left_alone_while_the_law_is_installed():

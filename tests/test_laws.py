@@ -1,6 +1,7 @@
 """A law from outside the package runs through the same callback."""
 
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -48,10 +49,18 @@ def test_compiled_and_interpreted_custom_law_agree_to_the_last_bit(tmp_path):
     ("text", "words"),
     [
         ("x = 1\n", ["mine.py", "neither `command` nor `learn`"]),
+        ("learn = 5\n", ["mine.py", "learn is 5", "a function is needed"]),
+        ("import sys\nsys.exit(0)\n", ["mine.py", "SystemExit", "line 2"]),
+        ("def learn(u):\n    raise SystemExit\n", ["mine.py", "learn raised SystemExit", "line 2"]),
+        ("def learn(u):\n    return learn(u)\n", ["mine.py", "learn raised RecursionError"]),
+        ("def learn(u):\n    return None\n", ["mine.py", "learn raised TypeError"]),
+        ("def learn(u, x):\n    pass\n", ["mine.py", "the argument 'x'", "bounds"]),
+        ("def learn(\n", ["mine.py", "SyntaxError", "line 1"]),
+        ("\0", ["mine.py", "cannot be executed"]),
         ("def command(J):\n    pass\n", ["mine.py", "command(J)", "error, rate"]),
-        ("import nothing_like_this\n", ["mine.py", "cannot be imported", "nothing_like_this"]),
-        (PD.replace("return v", "return 1, v"), ["mine.py", "learn returned shapes", "needed"]),
-        (PD.replace("mean = q.mean", "mean = q.meen"), ["mine.py", "learn raised", "meen"]),
+        ("import nothing_like_this\n", ["mine.py", "cannot be executed", "nothing_like_this"]),
+        (PD.replace("return total", "return 1, total"), ["mine.py", "learn returned", "needed"]),
+        (PD.replace("q.mean", "q.meen"), ["mine.py", "learn raised", "meen"]),
         (PD.replace("tau[j] = u", "tau[j] = nowhere + u"), ["cannot be compiled", "--interpret"]),
     ],
 )
@@ -63,6 +72,65 @@ def test_a_law_that_does_not_fit_is_refused_in_one_line(tmp_path, text, words):
     assert [word for word in words if word not in message] == []
 
 
+DAMPER = """from pathlib import Path
+{read}
+def command(J, error, rate, q, dq, u, parameters, y, tau):
+    for j in range(tau.size):
+        y[j] = q[j]
+        tau[j] = {gain} * dq[j]
+"""
+
+
+def applied_gain(folder):
+    motion = [{"duration": 2.0, "size": (0.05, 0.05)}]
+    changes = {"law.kind": str(folder / "mine.py"), "motion": motion}
+    data = rmj.simulate(for_robot("two_link.xml").replace(changes)).data
+    return float((data["tau"] / data["dq"])[100, 0])
+
+
+@pytest.mark.parametrize(
+    ("read", "gain", "file"),
+    [
+        ('GAIN = float((Path(__file__).parent / "gain.py").read_text())', "GAIN", "{}"),
+        ("from gain import GAIN", "GAIN", "GAIN = {}"),
+        ("import gain", "gain.GAIN", "GAIN = {}"),
+    ],
+)
+def test_what_a_law_reads_or_imports_counts_in_each_run(tmp_path, read, gain, file):
+    (tmp_path / "mine.py").write_text(DAMPER.format(read=read, gain=gain))
+    for number in (-2.0, -3.0):
+        (tmp_path / "gain.py").write_text(file.format(number))
+        assert applied_gain(tmp_path) == pytest.approx(number)
+
+
+def test_a_law_that_is_the_same_as_before_is_not_compiled_again(tmp_path, monkeypatch):
+    (tmp_path / "mine.py").write_text(DAMPER.format(read="GAIN = -2.5", gain="GAIN"))
+    assert applied_gain(tmp_path) == pytest.approx(-2.5)
+    monkeypatch.setattr(
+        "resonance_mj.callback.compilation.translate", lambda *_: pytest.fail("compiled")
+    )
+    assert applied_gain(tmp_path) == pytest.approx(-2.5)
+
+
+def test_an_edited_law_is_read_again_within_a_process(tmp_path):
+    for step in (1.0, 5.0):
+        text = "def learn(u, stiffness, offset, center):\n"
+        text += f"    return u, stiffness + {step}, offset, center\n"
+        data = run_with(tmp_path, text).data
+        np.testing.assert_array_equal(data["stiffness_per_cycle"][-1], step)
+
+
+def test_the_process_keeps_the_modules_that_it_had(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "gain.py").write_text("GAIN = -2.0")
+    gain = __import__("gain")
+    path = list(sys.path)
+    (tmp_path / "mine.py").write_text(DAMPER.format(read="from gain import GAIN", gain="GAIN"))
+    applied_gain(tmp_path)
+    assert sys.modules["gain"] is gain
+    assert sys.path == path
+
+
 def test_a_missing_law_is_named(tmp_path):
-    with pytest.raises(rmj.ResonanceError, match=r"law.kind = 'no.py': no such file"):
+    with pytest.raises(rmj.ResonanceError, match=r"law.kind = 'no.py': does not exist"):
         rmj.simulate(for_robot("two_link.xml").replace({"law.kind": "no.py"}))

@@ -1,6 +1,7 @@
 """Machine code kept on disk."""
 
 import ctypes
+import os
 import subprocess
 import sys
 
@@ -45,6 +46,40 @@ def test_a_file_that_is_not_whole_is_written_again(cache, kept):
     file.write_bytes(whole[: int(kept * len(whole)) if isinstance(kept, float) else kept])
     assert answer(b"one", translated) == 42
     assert file.read_bytes() == whole
+
+
+@pytest.mark.parametrize("change", ["file", "folder", "link"])
+def test_code_that_somebody_else_could_have_written_is_not_loaded(cache, change):
+    assert answer(b"one", translated) == 42
+    (file,) = cache.iterdir()
+    if change == "link":
+        file.rename(file.with_name("elsewhere"))
+        file.symlink_to("elsewhere")
+    else:
+        (file if change == "file" else cache).chmod(0o666 if change == "file" else 0o777)
+    other = TEXT.replace("42", "43")
+    assert answer(b"one", lambda: (other, "answer")) == 43
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="gives a file away")
+def test_code_of_another_user_is_not_loaded(cache):
+    assert answer(b"one", translated) == 42
+    (file,) = cache.iterdir()
+    os.chown(file, 65534, 65534)
+    other = TEXT.replace("42", "43")
+    assert answer(b"one", lambda: (other, "answer")) == 43
+
+
+def test_code_that_has_no_key_is_not_kept(cache):
+    assert answer(None, translated) == 42
+    assert not cache.exists()
+
+
+def test_the_cache_keeps_the_newest(cache):
+    for number in range(machine_code.KEPT + 3):
+        answer(f"{number}".encode(), translated)
+    assert len(list(cache.iterdir())) == machine_code.KEPT
+    assert answer(f"{number}".encode(), not_needed) == 42
 
 
 def test_without_a_folder_to_write_each_process_compiles(cache):

@@ -395,14 +395,14 @@ LONG = [f"{0.1 * np.cos(a):.6f},{0.1 * np.sin(a):.6f}\n" for a in np.arange(0, 6
         ("0.1,0.2\n", ["is 1 row ", "at least 3"]),
         ("0.1,0.2\n0.2,0.3\n0.1,0.2\n", ["2 rows besides the last", "at least 3"]),
         ("x,z\n0.1,0.2\n0.1,abc\n0.1,0.2\n", ["line 3, column z = 'abc'", "a number in m"]),
-        ("0.1,abc\n0.1,0.2\n0.1,0.2\n", ["line 1, column z = 'abc'", "a number in m"]),
+        ("0.1,abc\n0.1,0.2\n0.1,0.2\n", ["line 1, column z: not a number", "a number in m"]),
         ("x,z\n0.1,\n0.1,0.2\n", ["line 2, column z", "gap", "a number in m"]),
         ("x,z\n0.1,nan\n0.1,0.2\n", ["line 2, column z = nan", "gap", "finite"]),
         ("x,z\n0.1,inf\n0.1,0.2\n", ["line 2, column z = inf", "finite"]),
         ("0.1,0\n\n0.1,0.2\n0,0\n", ["line 2", "empty", "gap"]),
         ("0.1,0,1\n0.1,0.2,1\n", ["line 1", "3 columns", "no header", "2 are needed", "x, z"]),
         ("x,z\n0.1,0\n0.1,0.2,1\n", ["line 3", "3 columns; 2 are needed", "x, z"]),
-        ("x;z\n0.1;0\n", ["line 1", "column 'x;z'", "separated by commas", "t, phase, x, z"]),
+        ("x;z\n0.1;0\n", ["line 1", "unknown columns", "separated by commas", "t, phase, x, z"]),
         ("x,y,z\n0,0,0\n", ["line 1", "column 'y'", "t, phase, x, z"]),
         ("t,x\n0,0\n", ["line 1", "column z is missing", "t, x", "x, z"]),
         ("x,x,z\n0,0,0\n", ["line 1", "column x appears twice"]),
@@ -413,6 +413,13 @@ LONG = [f"{0.1 * np.cos(a):.6f},{0.1 * np.sin(a):.6f}\n" for a in np.arange(0, 6
         ("t,x,z\n0,0,0\n.5,.1,0\n1,.1,.1\n", ["line 4, column x = 0.1", "jump at the", "repeat"]),
         ("".join(LONG[:31]), ["line 31", "jump at the seam", "0.199 m", "0.01 m", "5 times"]),
         (b"x,z\n\xff,0\n", ["byte 5", "UTF-8"]),
+        ("x,z\n0.1,0\n1e308,0.2\n", ["line 3, column x = 1e+308", "in m from -1e+06 to 1e+06"]),
+        ("x,z\n0.1,0\n0.2," + "9" * 100_000, ["line 3, column z", "finite"]),
+        ("x,z\n0.1,0\n0.2," + "x" * 100_000, ["line 3, column z = 'xxx", "a number in m"]),
+        ("t,x,z\n0,0,0\n1e-300,1,0\n.9,0,1\n", ["line 3, column t = 1e-300", "increasing"]),
+        ("x,z\n" + "0.1,0.2\n" * 100_001, ["100001 waypoints", "at most 100000"]),
+        ("x,z\n" + "# comment\n" * 400_000, ["longer than 4 MB"]),
+        (b"\0" * 1000, ["line 1", "unknown columns"]),
     ],
 )  # fmt: skip
 def test_a_bad_csv_is_refused_in_one_line_with_file_place_value_and_remedy(
@@ -426,8 +433,36 @@ def test_a_bad_csv_is_refused_in_one_line_with_file_place_value_and_remedy(
     assert [word for word in words if word not in message] == []
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["root:secret:19000:0:99999:7:::\n", "secret\n", "12,secret\n", "secret,12\n", "0,secret,0\n"],
+)
+def test_what_a_file_holds_that_is_no_csv_is_not_told(text, tmp_path, planar):
+    with pytest.raises(rmj.ResonanceError, match=r"points\.csv") as caught:
+        waypoints(tmp_path, text, planar)
+    assert "secret" not in str(caught.value)
+
+
+def test_a_device_in_place_of_a_csv_is_refused_and_not_read(planar):
+    with pytest.raises(rmj.ResonanceError, match="'/dev/zero': is a device"):
+        filled(planar, shape="csv", file="/dev/zero")
+
+
+def test_harmonics_above_the_nyquist_limit_are_refused(planar):
+    with pytest.raises(rmj.ResonanceError, match=r"sin has 501 harmonics .* = 500"):
+        filled(
+            planar,
+            shape="fourier",
+            period=1.0,
+            duration=1.0,
+            blend=0,
+            offset=(0.1, 0.1),
+            sin=((1e-6,) * 501, ()),
+        )
+
+
 def test_a_missing_csv_or_a_folder_is_refused_by_its_name(tmp_path, planar):
-    for file, word in ((tmp_path / "no.csv", "no such file"), (tmp_path, "cannot be read")):
+    for file, word in ((tmp_path / "no.csv", "does not exist"), (tmp_path, "is a folder")):
         with pytest.raises(rmj.ResonanceError, match=word) as caught:
             filled(planar, shape="csv", file=str(file))
         assert repr(str(file)) in str(caught.value)

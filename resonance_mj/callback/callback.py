@@ -7,32 +7,28 @@ block, and refuses where another callback is in place.
 from __future__ import annotations
 
 import ctypes
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding
 import mujoco
 
 from ..errors import CallbackError
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.memory import Header, block, matrix
 from ..step_functions import STEP_FUNCTIONS
-from . import machine_code, structs
+from .foreign import installing, libmujoco, refuse_foreign
+from .frozen import frozen
 
-_installing = threading.Lock()
+_ready: dict[bytes, Any] = {}
+"""Compiled callbacks of this process by all that they depend on."""
 
 _BUSY = (
     "a simulation is already running in this process, and MuJoCo has one control callback per "
     "process: run them one after the other, together with simulate_many, or in processes of their "
     "own"
-)
-_FOREIGN = (
-    "another control callback is installed in this process: remove it with "
-    "mujoco.set_mjcb_control(None) before a simulation"
 )
 
 
@@ -47,30 +43,28 @@ def installed(*, interpret: bool = False, command: Command = standard) -> Iterat
     Raises:
         CallbackError: a control callback is installed already, by this package or another.
     """
+    refuse_another()
     function = partial(_interpreted, command) if interpret else _compiled(command)
-    if not _installing.acquire(blocking=False):
+    if not installing.acquire(blocking=False):
         raise CallbackError(_BUSY)
     try:
-        if _pointer_in_libmujoco():
-            raise CallbackError(_FOREIGN)
         mujoco.set_mjcb_control(function)
         try:
             yield
         finally:
             mujoco.set_mjcb_control(None)
     finally:
-        _installing.release()
+        installing.release()
 
 
 def refuse_another() -> None:
-    """Raise a CallbackError if a control callback is in place, this package's or another.
+    """Raise a CallbackError if a callback is in place, this package's or another.
 
-    Checked before a robot is loaded, because MuJoCo calls it while it compiles a model.
+    Checked before a robot is loaded, because MuJoCo calls them while it compiles a model.
     """
-    if _installing.locked():
+    if installing.locked():
         raise CallbackError(_BUSY)
-    if _pointer_in_libmujoco():
-        raise CallbackError(_FOREIGN)
+    refuse_foreign()
 
 
 def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -90,10 +84,16 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
 
 
-@cache
 def _compiled(command: Command = standard) -> Callable[..., Any]:
-    """The control callback as a C function, compiled once and kept on disk."""
-    llvmlite.binding.load_library_permanently(str(_libmujoco()))
+    """The control callback as a C function, compiled once and kept on disk.
+
+    A command that reads what may change without a trace is compiled anew each time.
+    """
+    import llvmlite.binding
+
+    from . import machine_code, structs
+
+    llvmlite.binding.load_library_permanently(str(libmujoco()))
     layout = (structs.MODEL_OFFSETS, structs.DATA_OFFSETS)
 
     def translate() -> tuple[str, str]:
@@ -101,28 +101,19 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
 
         return compilation.translate(*layout, command)
 
-    address = machine_code.load(repr(layout).encode() + _sources(command), translate)
-    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+    depends_on = frozen(command)
+    key = None if depends_on is None else repr(layout).encode() + _sources() + depends_on
+    if key in _ready:
+        return _ready[key]
+    address = machine_code.load(key, translate)
+    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+    if key is not None:
+        _ready[key] = function
+    return function
 
 
-def _sources(command: Command) -> bytes:
+def _sources() -> bytes:
     """All source code that the callback is made of: an edit in any of its files compiles anew."""
-    cells = (cell.cell_contents for cell in command.__closure__ or ())
-    functions = [command, *(value for value in cells if callable(value))]
-    files = [str(Path(__file__).with_name("compilation.py"))]
-    files += sorted({function.__code__.co_filename for function in (*STEP_FUNCTIONS, *functions)})
-    names = repr([function.__qualname__ for function in functions]).encode()
-    return names + b"".join(Path(file).read_bytes() for file in files)
-
-
-def _libmujoco() -> Path:
-    folder = Path(mujoco.__file__).parent
-    for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"):
-        for path in sorted(folder.glob(pattern)):
-            return path
-    raise CallbackError(f"{folder}: no MuJoCo library was found there; reinstall mujoco")
-
-
-def _pointer_in_libmujoco() -> int | None:
-    library = ctypes.CDLL(str(_libmujoco()))
-    return ctypes.c_void_p.in_dll(library, "mjcb_control").value
+    files = {str(Path(__file__).with_name("compilation.py"))}
+    files |= {function.__code__.co_filename for function in STEP_FUNCTIONS}
+    return b"".join(Path(file).read_bytes() for file in sorted(files))

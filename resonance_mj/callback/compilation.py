@@ -35,7 +35,8 @@ def translate(
     Raises:
         CallbackError: Numba cannot compile the command.
     """
-    for function in STEP_FUNCTIONS:
+    cells = [cell.cell_contents for cell in command.__closure__ or ()]
+    for function in (*STEP_FUNCTIONS, command, *cells):
         # What makes the views is inlined, so that those that are not used cost nothing.
         register_jitable(forceinline=function in (own, row))(function)
     jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets

@@ -5,58 +5,105 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import hashlib
+import os
+import stat
 from collections.abc import Callable
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as llvm
 from platformdirs import user_cache_path
 
 from ..errors import OutputError
-from ..files import replacing, writable
+from ..files import replacing
+
+KEPT = 16
+"""Files that the cache keeps, the newest."""
+
+LARGEST = 8_000_000
+"""Bytes that such a file may have."""
 
 _NAME = "resonance_mj"
 _loaded: list[Any] = []
 
 
-def load(key: bytes, translate: Callable[[], tuple[str, str]]) -> int:
+def load(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
     """Address of a function whose machine code is on disk, or is compiled and put there.
 
     Args:
-        key: all that the function depends on, but for this processor and the compiler.
+        key: all that the function depends on, but for this processor and the compiler; None for one
+            that is to be compiled and not kept.
         translate: gives the function in LLVM's language, and its name.
 
     Returns:
         The address; valid as long as the process.
 
     Note:
-        The code is in the user's cache folder, $XDG_CACHE_HOME/resonance-mj on Linux. Where that
-        cannot be written, each process compiles anew.
+        The code is in the user's cache folder, $XDG_CACHE_HOME/resonance-mj on Linux, and is loaded
+        only if folder and file are the user's own and nobody else may write them. Where there is no
+        such folder, each process compiles anew.
     """
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     processor, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    everything = (processor, features, version("numba"), version("llvmlite"), version("numpy"))
-    digest = hashlib.sha256(key + repr(everything).encode()).hexdigest()[:24]
-    path = user_cache_path("resonance-mj") / f"control-{digest}.o"
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=processor, features=features, opt=3, codemodel="jitdefault", jit=True
     )
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    everything = (processor, features, version("numba"), version("llvmlite"), version("numpy"))
+    path = None
+    if key is not None:
+        digest = hashlib.sha256(key + repr(everything).encode()).hexdigest()[:24]
+        path = _trusted_folder(f"control-{digest}.o")
     try:
-        needs, code = _parts(path.read_bytes())
+        needs, code = _parts(b"" if path is None else _read(path))
     except (OSError, ValueError):
         written = _compiled(machine, *translate())
-        with contextlib.suppress(OutputError):
-            writable(path.parent)
-            with replacing(path) as beside:
-                beside.write_bytes(written)
+        if path is not None:
+            _keep(path, written)
         needs, code = _parts(written)
     _define_missing(needs)
     engine.add_object_file(code)
     engine.finalize_object()
     _loaded.append(engine)
     return int(engine.get_function_address(_NAME))
+
+
+def _trusted_folder(name: str) -> Path | None:
+    """A file's path in the user's cache folder; None where others could write there."""
+    try:
+        folder = user_cache_path("resonance-mj")
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        trusted = folder.is_absolute() and _own(folder.lstat(), stat.S_ISDIR)
+    except (OSError, RuntimeError):  # it cannot be made, or the user has no home
+        return None
+    return folder / name if trusted else None
+
+
+def _own(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
+    """Whether a file or folder is this user's, and nobody else may write it."""
+    mine = not hasattr(os, "geteuid") or found.st_uid == os.geteuid()
+    return mine and kind(found.st_mode) and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def _read(path: Path) -> bytes:
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | os.O_NONBLOCK)
+    with os.fdopen(descriptor, "rb") as file:
+        if not _own(os.fstat(descriptor), stat.S_ISREG):
+            raise OSError(f"{path}: is not this user's own file")
+        return file.read(LARGEST)
+
+
+def _keep(path: Path, written: bytes) -> None:
+    """Write a file into the cache, and drop the oldest of too many."""
+    with contextlib.suppress(OutputError, OSError):
+        with replacing(path) as beside:
+            beside.write_bytes(written)
+            beside.chmod(0o600)
+        others = sorted(path.parent.glob("control-*.o"), key=lambda file: -file.stat().st_mtime)
+        for file in others[KEPT:]:
+            file.unlink()
 
 
 def _parts(written: bytes) -> tuple[list[str], Any]:

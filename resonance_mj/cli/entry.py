@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from ..errors import ExperimentError, ResonanceError
+from ..text import cut, one_line
 from . import keys_as_options
 from .console import BAD_INPUT, DONE, INTERRUPTED
 
@@ -39,22 +40,30 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
+        if any("\0" in argument for argument in arguments):
+            raise ExperimentError("an argument has a NUL byte, which no name or value has")
         changes, rest = keys_as_options.split(arguments)
         options = _parser().parse_args(rest)
         options.changes = changes
         if changes and not options.takes_keys:
             key = next(iter(changes))
-            raise ExperimentError(f"--{key}: this command takes no keys of an experiment")
+            raise ExperimentError(f"--{cut(key)}: this command takes no keys of an experiment")
         return int(options.execute(options))
     except ResonanceError as error:
         print(f"resonance-mj: {error}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print("resonance-mj: interrupted; no file is left half-written", file=sys.stderr)
-        return INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
+    except OSError as error:
+        # What the operating system refuses is a path that was given, or the folder one is in.
+        gone = "the working folder" if isinstance(error, FileNotFoundError) else ""
+        where = f"{name}: " if (name := error.filename or gone) else ""
+        print(one_line(f"resonance-mj: {where}{error.strerror or error}"), file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("resonance-mj: interrupted; no file is left half-written", file=sys.stderr)
+        return INTERRUPTED
 
 
 class _Parser(argparse.ArgumentParser):

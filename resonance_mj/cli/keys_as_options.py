@@ -7,6 +7,7 @@ import tomllib
 from typing import TYPE_CHECKING, Any
 
 from ..errors import ExperimentError
+from ..text import cut
 
 if TYPE_CHECKING:
     from ..experiments.experiment import Experiment
@@ -54,21 +55,22 @@ def experiment(options: argparse.Namespace) -> Experiment:
 
 
 def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:
-    """Take the options with a dot, `--law.beta 3` or `--law.beta=3`, out of the arguments."""
+    """Take the keys, `--law.beta 3`, `--law.beta=3` or `--name mine`, out of the arguments."""
     changes: dict[str, Any] = {}
     rest: list[str] = []
     tokens = iter(arguments)
     for token in tokens:
         key, equals, text = token.removeprefix("--").partition("=")
-        if not token.startswith("--") or "." not in key:
+        if not token.startswith("--") or not ("." in key or key == "name"):
             rest.append(token)
             continue
         if not equals:
             following = next(tokens, None)
             if following is None or following.startswith("--"):
+                key = cut(key)
                 raise ExperimentError(f"--{key}: a value must follow, as in --{key}=VALUE")
             text = following
-        changes[key] = value(text)
+        changes[key] = text if key == "name" else value(text)
     return changes, rest
 
 
@@ -76,7 +78,9 @@ def value(text: str) -> Any:
     """A value as a TOML file would have it; `1,2` is a list, and what is no TOML is a string."""
     for literal in (text, f"[{text}]") if "," in text else (text,):
         try:
-            return tomllib.loads(f"value = {literal}")["value"]
-        except tomllib.TOMLDecodeError:
+            read = tomllib.loads(f"value = {literal}")
+        except (ValueError, RecursionError):
             continue
+        if len(read) == 1:
+            return read["value"]
     return text.split(",") if "," in text else text

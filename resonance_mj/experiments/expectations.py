@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ..status import Status
 from ..text import shown
-from .section import Finite, Gain, Section
+from .section import Alone, Name, Section
 
 PER_JOINT = ("stiffness", "offset", "equilibrium")
 """Figures with a number for each joint; the others have one."""
@@ -17,21 +17,24 @@ PER_JOINT = ("stiffness", "offset", "equilibrium")
 WITH_OPTIMUM = (*PER_JOINT, "torque_reduction")
 """Figures that the optimum of the robot's own motion has too."""
 
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Tolerance = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
 
 class Expected(Section):
     """What one figure must be, and how near."""
 
-    value: Literal["optimal"] | Finite | tuple[Finite, ...] | None = None
+    value: Literal["optimal"] | Number | tuple[Number, ...] | None = None
     """A number, for joints also a list of one each; "optimal" is that of this robot's optimum."""
-    abs: Gain | None = None
+    abs: Tolerance | None = None
     """Tolerance, in the unit of the figure."""
-    rel: Gain | None = None
+    rel: Tolerance | None = None
     """Tolerance as a share of the value; of abs and rel the wider counts."""
-    min: Finite | None = None
+    min: Number | None = None
     """Least that it may be, in place of value."""
-    max: Finite | None = None
+    max: Number | None = None
     """Most that it may be, in place of value."""
-    joints: Annotated[tuple[str, ...], Field(min_length=1)] | None = None
+    joints: Annotated[tuple[Name, ...], Field(min_length=1), Alone] | None = None
     """Names of the joints that it is about; all if not given."""
 
     @field_validator("value", mode="before")

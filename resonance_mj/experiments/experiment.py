@@ -5,55 +5,76 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-import tomlkit
 from pydantic import Field, model_validator
 
 from ..errors import ExperimentError
-from ..text import listed, nearest, shown
+from ..text import cut, shown
+from . import toml
 from .expectations import Expect
 from .law_section import Law
-from .motion_section import Motion
-from .section import Section, Vector
+from .motion_section import MOST_CYCLES, Motion
+from .section import Section
 from .sections import Robot, Simulation, Springs, Task
-from .validation import validated
+from .validation import plain, validated
+
+FEWEST_STEPS, MOST_STEPS = 8, 100_000
+"""Time steps that a cycle may have."""
+
+MOST_STEPS_IN_ALL = 2_000_000_000
+"""Time steps that an experiment may have: hours of computing."""
 
 
 class Experiment(Section):
     """One experiment: a robot, a task, motions in a row, a law and springs."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
     """Name of the run, and of its folder in runs/."""
     robot: Robot
     task: Task = Task()
     simulation: Simulation = Simulation()
-    motion: Annotated[tuple[Motion, ...], Field(min_length=1)] = (Motion(),)
+    motion: Annotated[tuple[Motion, ...], Field(min_length=1, max_length=1000)] = (Motion(),)
     law: Law = Law()
     springs: Springs = Springs()
     expect: Expect = Expect()
 
     @model_validator(mode="after")
     def _whole_time_steps(self) -> Experiment:
+        dt = self.simulation.timestep
         for index, motion in enumerate(self.motion):
-            dt = self.simulation.timestep
             steps = motion.period / dt
-            if round(steps) < 2 or abs(steps - round(steps)) > 1e-9 * steps:
-                whole = max(2, round(steps))
+            whole = round(min(max(steps, FEWEST_STEPS), MOST_STEPS))
+            if not abs(steps - whole) <= 1e-9 * whole:
                 raise ValueError(
                     f"motion.{index}.period = {motion.period:g} s is {steps:.6g} time steps of "
-                    f"{dt:g} s; a whole number of at least 2 is needed, for example a period of "
-                    f"{whole * dt:.9g} s or a time step of {motion.period / whole:.9g} s"
+                    f"{dt:g} s; a whole number from {FEWEST_STEPS} to {MOST_STEPS} is needed, for "
+                    f"example a period of {whole * dt:.9g} s or a time step of "
+                    f"{motion.period / whole:.9g} s"
                 )
-            if self.law.lead is not None and self.law.lead >= round(steps):
+            if self.law.lead is not None and self.law.lead >= whole:
                 raise ValueError(
-                    f"law.lead = {self.law.lead} is not shorter than the {round(steps)} time "
-                    f"steps of a cycle of motion.{index}"
+                    f"law.lead = {self.law.lead} is not shorter than the {whole} time steps of a "
+                    f"cycle of motion.{index}"
                 )
-            nyquist = round(steps) // 2
+            nyquist = whole // 2
             if self.law.harmonics is not None and self.law.harmonics > nyquist:
                 raise ValueError(
                     f"law.harmonics = {self.law.harmonics} is above the Nyquist limit of "
                     f"motion.{index}, period / (2 timestep) = {nyquist}; valid are 1 to {nyquist}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _ends_in_a_lifetime(self) -> Experiment:
+        dt = self.simulation.timestep
+        cycles = sum(motion.cycles for motion in self.motion)
+        steps = sum(motion.cycles * motion.steps(dt) for motion in self.motion)
+        if cycles > MOST_CYCLES or steps > MOST_STEPS_IN_ALL:
+            last = max(range(len(self.motion)), key=lambda index: self.motion[index].duration)
+            raise ValueError(
+                f"motion.{last}.duration = {self.motion[last].duration:g} s: all motions have "
+                f"{cycles} cycles and {steps:.4g} time steps; at most {MOST_CYCLES} cycles and "
+                f"{MOST_STEPS_IN_ALL:.0e} time steps are valid, {MOST_STEPS_IN_ALL * dt:g} s"
+            )
         return self
 
     @model_validator(mode="after")
@@ -68,6 +89,11 @@ class Experiment(Section):
                 f"springs.initial_equilibrium = {shown(springs.initial_equilibrium)}: "
                 "law.kind = 'joint-space' keeps the equilibrium at law.q_c: leave it out"
             )
+        if self.law.kind == "joint-space" and self.law.q_c == "running":
+            raise ValueError(
+                "law.q_c = 'running': law.kind = 'joint-space' keeps the equilibrium at law.q_c, "
+                'and would move it: give "mean" or angles'
+            )
         return self
 
     def replace(self, changes: Mapping[str, Any]) -> Experiment:
@@ -80,49 +106,39 @@ class Experiment(Section):
         Raises:
             ExperimentError: a key does not exist or a value is not valid.
         """
-        values = _as_lists(self.model_dump())
+        values = plain(self.model_dump(exclude_unset=True))
+        values.setdefault("motion", [{} for _ in self.motion])
         for key, value in changes.items():
-            *parents, last = key.split(".")
+            *parents, last = str(key).split(".")
             node: Any = values
             for parent in parents:
-                node = _child(node, parent, key)
-            _child(node, last, key)
-            node[int(last) if isinstance(node, list) else last] = value
+                node = (
+                    node.setdefault(parent, {})
+                    if isinstance(node, dict)
+                    else node[_at(node, parent, key)]
+                )
+            node[last if isinstance(node, dict) else _at(node, last, key)] = value
         return validated(Experiment, values, f"experiment {self.name!r}")
 
     def to_toml(self) -> str:
         """The experiment as a TOML text that `load` reads back to an equal experiment."""
-        values = _without_none(_as_lists(self.model_dump()))
+        values = self.model_dump()
         if self.expect == Expect():
             del values["expect"]
-        return tomlkit.dumps(values)
+        return toml.document(values)
 
 
-def _child(node: Any, key: str, whole: str) -> Any:
-    if isinstance(node, dict):
-        if key in node:
-            return node[key]
+def _at(node: Any, index: str, key: str) -> int:
+    """The index into a list that a part of a dotted key means."""
+    if not isinstance(node, list):
+        raise ExperimentError(f"{cut(key, 100)}: {cut(index)} is inside a value, not a section")
+    if not (index.isdecimal() and len(index) < 9 and int(index) < len(node)):
         raise ExperimentError(
-            f"{whole}: unknown key{nearest(key, node)}; valid keys here are {listed(node)}"
+            f"{cut(key, 100)}: no element {cut(index)}; "
+            + (f"valid are 0 to {len(node) - 1}" if node else "there is none")
         )
-    if isinstance(node, list) and key.isdigit() and int(key) < len(node):
-        return node[int(key)]
-    if isinstance(node, list):
-        raise ExperimentError(f"{whole}: no element {key}; valid are 0 to {len(node) - 1}")
-    raise ExperimentError(f"{whole}: {key} is inside a value, not a section")
+    return int(index)
 
 
-def _as_lists(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _as_lists(item) for key, item in value.items()}
-    return [_as_lists(item) for item in value] if isinstance(value, tuple) else value
-
-
-def _without_none(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_none(item) for key, item in value.items() if item is not None}
-    return [_without_none(item) for item in value] if isinstance(value, list) else value
-
-
-def _not_zero(value: float | Vector) -> bool:
+def _not_zero(value: float | tuple[float, ...]) -> bool:
     return any(value) if isinstance(value, tuple) else bool(value)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from ..text import listed, nearest
-from .section import Angles, Gain, Gains, Section, Vector
+from .section import Alone, Angles, Gain, Gains, Name, Section
 
 KINDS = (
     "feedback",
@@ -24,13 +24,13 @@ KINDS = (
 class Law(Section):
     """The controller and its gains, by the paper's symbols."""
 
-    kind: str = "transfer"
+    kind: Name = "transfer"
     """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); feedback:
     (4) without learning; learning: all torque is learned, the springs stay as they begin; fixed:
     the same with the optimal springs; joint-space: stiffness alone adapted to desired joint angles;
     computed-torque: optimal springs and the torque that the model asks for; or the path of a Python
     file with a law of your own."""
-    parameters: Vector = ()
+    parameters: Annotated[tuple[float, ...], Alone] = ()
     """Numbers for a law of your own."""
     jacobian: Literal["damped", "inverse", "transpose"] | None = None
     """In (8): J^-1, J^T, or the damped pseudo-inverse with the posture in its null space."""
@@ -57,14 +57,15 @@ class Law(Section):
     """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each."""
     gamma_qe: Gains = 0.0
     """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each."""
-    q_c: Angles = "mean"
-    """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion."""
-    q_s: Angles = "mean"
+    q_c: Literal["mean", "running"] | Angles = "mean"
+    """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion, and
+    "running", for the paper's law, moves from there to the mean of each cycle as it ends."""
+    q_s: Literal["mean"] | Angles = "mean"
     """Centre of the learning's regressor (9), (10) [rad]; "mean" as for q_c."""
-    lead: Annotated[int, Field(ge=0)] | None = None
+    lead: Annotated[int, Field(ge=0, le=100_000)] | None = None
     """How far ahead in the stored cycle learning reads y [control periods]; 0 for the law as
     printed and 1 else if not given."""
-    harmonics: Annotated[int, Field(ge=1)] | None = None
+    harmonics: Annotated[int, Field(ge=1, le=50_000)] | None = None
     """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
     given."""
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from .. import library
 from ..errors import ExperimentError
-from ..text import listed, nearest
+from ..files import is_file, read_text
+from ..text import listed, nearest, shown
 from .experiment import Experiment
-from .validation import validated
+from .validation import NESTED, validated
 
 
 def load(name: str | os.PathLike[str]) -> Experiment:
@@ -24,13 +25,13 @@ def load(name: str | os.PathLike[str]) -> Experiment:
             not valid.
     """
     path = find(name)
+    needed = f"give a TOML file or one of {listed(library.experiments())}"
     try:
-        text = path.read_text(encoding="utf-8")
-        values = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise ExperimentError(f"{path}: cannot be read: {error}") from None
-    except tomllib.TOMLDecodeError as error:
+        values = tomllib.loads(read_text(path, needed=needed))
+    except ValueError as error:
         raise ExperimentError(f"{path}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise ExperimentError(f"{path}: {NESTED}") from None
     tables = [(values.get("robot"), "mjcf"), (values.get("law"), "kind")]
     motions = values.get("motion")
     tables += [(motion, "file") for motion in (motions if isinstance(motions, list) else ())]
@@ -38,7 +39,7 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         # A file that is named in an experiment is looked for beside it first.
         if isinstance(table, dict) and isinstance(table.get(key), str):
             beside = path.parent / table[key]
-            if beside.is_file():
+            if is_file(beside):
                 table[key] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return validated(Experiment, values, str(path))
@@ -71,12 +72,9 @@ def find(name: str | os.PathLike[str]) -> Path:
     if isinstance(name, str) and name in built_in:
         return built_in[name]
     path = Path(name)
-    if path.is_file():
+    if path.suffix == ".toml" or len(path.parts) > 1 or is_file(path):
         return path
-    if path.suffix == ".toml" or len(path.parts) > 1:
-        kind = "is a folder" if path.is_dir() else "does not exist"
-        raise ExperimentError(f"{path}: {kind}; give a TOML file or one of {listed(built_in)}")
     raise ExperimentError(
-        f"no experiment is called {str(name)!r}{nearest(str(name), built_in)}; "
+        f"no experiment is called {shown(str(name))}{nearest(str(name), built_in)}; "
         f"there are {listed(built_in)}, or give the path of a TOML file"
     )

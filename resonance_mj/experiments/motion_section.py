@@ -7,7 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ..text import listed
-from .section import Finite, Positive, Section
+from .section import Finite, Name, Numbers, Positive, Rows, Section
+
+MOST_CYCLES = 1_000_000
+"""Cycles that a motion, and all of an experiment together, may have."""
 
 
 class Motion(Section):
@@ -23,12 +26,12 @@ class Motion(Section):
     frame: Literal["world", "base", "tool"] = "world"
     """Whose axes and origin the motion's positions are given in: world, base: of the body that
     carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
-    payload: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    payload: Annotated[Finite, Field(ge=0)] = 0.0
     """Mass that the tool carries during this motion, as a point at the tool [kg]; laws are not told
     of it, and computed-torque knows it."""
-    blend: Annotated[int, Field(ge=0)] = 1
+    blend: Annotated[int, Field(ge=0, le=1000)] = 1
     """Cycles in which the arm passes over into this motion, without learning; 0 for a jump."""
-    center: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
+    center: Numbers | None = None
     """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
     is at home if not given."""
     size: tuple[Finite, Finite] | None = None
@@ -37,24 +40,24 @@ class Motion(Section):
     plane: tuple[Literal["x", "y", "z"], Literal["x", "y", "z"]] | None = None
     """The two coordinates in which an ellipse, line, eight or polygon lies; the first and the last
     of the task's positions if not given."""
-    corners: Annotated[int, Field(ge=3)] | None = None
+    corners: Annotated[int, Field(ge=3, le=1000)] | None = None
     """Number of corners of a polygon, the first on the plane's first coordinate; 4 if not given."""
-    rounding: Annotated[float, Field(gt=0, le=1)] | None = None
+    rounding: Annotated[float, Field(gt=1e-6, le=1)] | None = None
     """Share of a polygon's sides that its rounded corners take, up to 1; 0.5 if not given."""
-    offset: Annotated[tuple[Finite, ...], Field(min_length=1)] | None = None
+    offset: Numbers | None = None
     """Mean of a fourier motion [m], one per coordinate."""
-    sin: tuple[tuple[Finite, ...], ...] = ()
+    sin: Rows = ()
     """Amplitudes of the sines [m]: a row per coordinate, a column per harmonic."""
-    cos: tuple[tuple[Finite, ...], ...] = ()
+    cos: Rows = ()
     """Amplitudes of the cosines [m]: a row per coordinate, a column per harmonic."""
-    file: str | None = None
+    file: Name | None = None
     """Path of a csv motion's waypoints, absolute or from the experiment's folder: a column per
     coordinate [m, rad], in order or named in a header; t [s] or phase [cycles] if not equally
     spaced."""
-    rotation_sin: tuple[tuple[Finite, ...], ...] = ()
+    rotation_sin: Rows = ()
     """Amplitudes of the sines of the tool's rotation vector from its orientation at home [rad]: a
     row each for rx, ry and rz, a column per harmonic; with any shape."""
-    rotation_cos: tuple[tuple[Finite, ...], ...] = ()
+    rotation_cos: Rows = ()
     """Amplitudes of the cosines of the rotation vector [rad], as rotation_sin."""
 
     @model_validator(mode="after")
@@ -90,16 +93,16 @@ class Motion(Section):
                     f"{name} has {len(rows)} rows and offset has {len(self.offset or ())} numbers: "
                     "both need one per coordinate"
                 )
+        cycles = self.duration / self.period
+        if cycles > MOST_CYCLES or abs(cycles - round(cycles)) > 1e-9 * cycles:
+            whole = max(1, round(min(cycles, MOST_CYCLES)))
+            raise ValueError(
+                f"duration {self.duration:g} s is {cycles:.6g} periods of {self.period:g} s; a "
+                f"whole number up to {MOST_CYCLES} is needed, for example {whole * self.period:g} s"
+            )
         if self.blend >= self.cycles:
             raise ValueError(
                 f"blend = {self.blend} leaves no cycle of the {self.cycles} that the motion has"
-            )
-        cycles = self.duration / self.period
-        if abs(cycles - round(cycles)) > 1e-9 * cycles:
-            whole = max(1, round(cycles))
-            raise ValueError(
-                f"duration {self.duration:g} s is {cycles:.6g} periods of {self.period:g} s; "
-                f"a whole number of periods is needed, for example {whole * self.period:g} s"
             )
         return self
 

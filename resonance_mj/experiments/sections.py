@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from .section import Finite, Positive, Section
+from ..text import shown
+from .section import Alone, Angles, Bound, Finite, Name, Numbers, Positive, Section, Stiffness
 
 
 class Robot(Section):
     """Which arm, which of its points follows the motion, and where it starts."""
 
-    mjcf: str
+    mjcf: Name
     """A path, or the name of a file in mjcf/."""
-    tool: str | None = None
+    tool: Name | None = None
     """The site or body that follows the motion; found if not given."""
-    home: str | tuple[Finite, ...] | None = None
+    home: Name | Numbers | None = None
     """Joint angles at the start, at rest [rad], or a keyframe's name; found if not given."""
     contacts: bool = True
     """Whether bodies collide."""
@@ -28,14 +29,9 @@ class Robot(Section):
 class Task(Section):
     """What of the tool's pose is controlled."""
 
-    coordinates: tuple[Literal["x", "y", "z", "rotation"], ...] | None = None
+    coordinates: Annotated[tuple[Literal["x", "y", "z", "rotation"], ...], Alone] | None = None
     """Of the tool in the world frame: any of x, y, z, and rotation; the positions that the arm
     controls if not given."""
-
-    @field_validator("coordinates", mode="before")
-    @classmethod
-    def _one_alone(cls, value: Any) -> Any:
-        return (value,) if isinstance(value, str) else value
 
     @field_validator("coordinates")
     @classmethod
@@ -59,7 +55,7 @@ class Simulation(Section):
     """Euler, implicitfast or RK4."""
     gravity: tuple[Finite, Finite, Finite] | None = None
     """[m/s^2]; the model's own if not given."""
-    samples: Annotated[int, Field(gt=0)] = 200_000
+    samples: Annotated[int, Field(gt=0, le=10_000_000)] = 200_000
     """About how many time samples are kept in the run; beyond it whole cycles are left out, and
     pairs of cycles in a row are kept, the first two and the last two of a motion among them."""
 
@@ -81,13 +77,13 @@ class Simulation(Section):
 class Springs(Section):
     """What the springs can do, and how they start."""
 
-    stiffness: tuple[float, float] = (0.0, math.inf)
+    stiffness: tuple[Bound, Bound] = (0.0, math.inf)
     """Bounds of the stiffness [N m/rad]."""
-    equilibrium: tuple[float, float] = (-math.pi, math.pi)
+    equilibrium: tuple[Bound, Bound] = (-math.pi, math.pi)
     """Bounds of the equilibrium angle q_e - q_c [rad]."""
-    initial_stiffness: Finite | tuple[Finite, ...] = 0.0
+    initial_stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
     """k(0) [N m/rad], one for all joints or one each."""
-    initial_equilibrium: Finite | tuple[Finite, ...] = 0.0
+    initial_equilibrium: Angles = 0.0
     """q_e(0) [rad], one for all joints or one each."""
 
     @field_validator("stiffness", "equilibrium")
@@ -97,6 +93,17 @@ class Springs(Section):
         if not lower < upper or lower == math.inf or upper == -math.inf:
             raise ValueError("[lower, upper] with lower < upper is needed, inf for no bound")
         return value
+
+    @model_validator(mode="after")
+    def _starts_inside(self) -> Springs:
+        lower, upper = self.stiffness
+        given = self.initial_stiffness
+        if any(not lower <= k <= upper for k in (given if isinstance(given, tuple) else (given,))):
+            raise ValueError(
+                f"initial_stiffness = {shown(given)} is outside the bounds, stiffness = "
+                f"{shown(self.stiffness)}: give a stiffness inside"
+            )
+        return self
 
     @model_validator(mode="after")
     def _convex(self) -> Springs:

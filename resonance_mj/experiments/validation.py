@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from ..errors import ExperimentError
-from ..text import listed, nearest, shown
+from ..text import cut, listed, nearest, shown
 
 _PLAIN = {"model_type": "a table of keys is needed", "tuple_type": "a list is needed"}
 """What pydantic says in words of Python."""
+
+_OF_ITS_TYPE = ("finite_number", "greater_than", "greater_than_equal", "less_than_equal")
+"""Where a value is of the right type, and its size is not."""
+
+NESTED = "nested too deeply; `resonance-mj keys` lists every key"
+"""What is wrong with brackets in brackets."""
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -27,21 +35,37 @@ def validated(model: type[Model], values: dict[str, Any], source: str) -> Model:
         ExperimentError: the first key or value that is not valid, and what would be.
     """
     try:
-        return model.model_validate(values)
+        return model.model_validate(plain(values))
     except ValidationError as error:
         raise ExperimentError(_one_line(model, error, source)) from None
+    except RecursionError:
+        raise ExperimentError(f"{source}: {NESTED}") from None
+
+
+def plain(value: Any) -> Any:
+    """A value as a TOML file would have it: of NumPy's numbers and arrays, tuples and paths."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> str:
     """The problem that fits the input best, as one line."""
     problems = error.errors(include_url=False)
     # Of a union's branches pydantic reports each; the one that looked deepest fits the input best.
-    first = max(problems, key=lambda p: (p["type"] == "extra_forbidden", len(p["loc"])))
+    first = max(
+        problems,
+        key=lambda p: (p["type"] == "extra_forbidden", len(p["loc"]), p["type"] in _OF_ITS_TYPE),
+    )
     names = _names(model)
     words = [str(part) for part in first["loc"]]
     key = ".".join(word for word in words if word.isdigit() or word in names)
     if first["type"] == "extra_forbidden":
-        key = ".".join(words)
+        key = ".".join(map(cut, words))
         section = _section(model, words[:-1])
         return (
             f"{source}: {key}: unknown key{nearest(words[-1], section)}; "
@@ -50,6 +74,7 @@ def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> st
     if first["type"] == "missing":
         return f"{source}: {key}: missing; it has no default"
     message = _PLAIN.get(first["type"], first["msg"].removeprefix("Value error, "))
+    message = message.replace("Tuple", "list").replace(" after validation", "")
     message = message[0].lower() + message[1:]
     where = f"{source}: {key}" if key else source
     if not isinstance(first["input"], (dict, BaseModel)):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import inspect
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -16,15 +16,18 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..experiments.law_section import KINDS
-from ..step_functions import step_function
+from ..files import read_text
+from ..springs.fit import Bounds, LinearSprings
+from ..text import cut, listed, one_line
 from .controller import Command, standard
+from .learning import Cycle, Learned
 from .own import own as views
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""
 
-LEARN = ("u", "y", "q", "stiffness", "offset", "center", "parameters")
-"""Arguments of a custom law's `learn`, which returns u, stiffness, offset, center."""
+LEARN = ("u", "y", "q", "stiffness", "offset", "center", "parameters", "bounds")
+"""What a custom law's `learn` may take, by name; it returns u, stiffness, offset, center."""
 
 
 @dataclass(frozen=True)
@@ -34,89 +37,137 @@ class CustomLaw:
     Attributes:
         command: the control step's part that sets y and τ.
         learn: what happens between two cycles, or None.
+        file: its path.
     """
 
     command: Command
     learn: Callable[..., Any] | None
-    file: str = ""
+    file: str
 
-    def learned(
-        self, signals: tuple[np.ndarray, ...], parameters: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        """What the file's `learn` returns for a cycle: u (N, n), stiffness, offset, center (n,).
+    def learned(self, cycle: Cycle, parameters: tuple[float, ...], bounds: Bounds) -> Learned:
+        """What the file's `learn` returns for a cycle.
+
+        Args:
+            cycle: the last one; `learn` gets copies of its signals.
+            parameters: `law.parameters`.
+            bounds: of the springs, about the centre.
 
         Raises:
-            ExperimentError: it raises, or what it returns is not of these shapes or not finite.
+            ExperimentError: it raises, or what it returns is not of the documented shapes or not
+                finite.
         """
         assert self.learn is not None
+        signals = {name: getattr(cycle, name).copy() for name in ("u", "y", "q")}
+        signals |= {name: part.copy() for name, part in cycle.springs._asdict().items()}
+        given = signals | {"parameters": np.array(parameters), "bounds": bounds}
+        names = inspect.signature(self.learn).parameters
         try:
-            found = tuple(np.asarray(part, float) for part in self.learn(*signals, parameters))
-        except Exception as error:
-            raise ExperimentError(f"{self.file}: learn raised {error!r}") from error
-        u, _, _, stiffness, offset, center = signals
-        wanted = [part.shape for part in (u, stiffness, offset, center)]
-        if [part.shape for part in found] != wanted or not all(
-            np.isfinite(part).all() for part in found
-        ):
-            raise ExperimentError(
-                f"{self.file}: learn returned shapes {[part.shape for part in found]}; finite u, "
-                f"stiffness, offset, center of shapes {wanted} are needed"
+            found = tuple(
+                np.asarray(part, float)
+                for part in self.learn(**{name: given[name] for name in names})
             )
-        return found
+        except (Exception, SystemExit) as error:
+            raise ExperimentError(f"{self.file}: learn raised {_said(error, self.file)}") from error
+        wanted = [cycle.u.shape, *(part.shape for part in cycle.springs)]
+        shapes = [part.shape for part in found]
+        if shapes != wanted or not all(np.isfinite(part).all() for part in found):
+            raise ExperimentError(
+                f"{self.file}: learn returned {listed(map(str, shapes), 'nothing')}"
+                f"{'' if shapes != wanted else ' with numbers that are not finite'}; finite u, "
+                f"stiffness, offset, center of shapes {listed(map(str, wanted))} are needed"
+            )
+        u, *springs = found
+        return Learned(u, LinearSprings(*springs))
 
 
-@cache
 def load(file: str) -> CustomLaw:
-    """Load a law's file.
+    """Execute a law's file: each time anew, so that an edit counts.
 
     Raises:
-        ExperimentError: there is no such file, it cannot be imported, or its functions are not of
+        ExperimentError: there is no such file, it cannot be executed, or its functions are not of
             the documented shape.
     """
-    path = Path(file)
-    if not path.is_file():
-        raise ExperimentError(
-            f"law.kind = {file!r}: no such file; give {', '.join(KINDS)}, or the path of a Python "
-            "file with a function `command` or `learn`"
-        )
-    module = _imported(path)
+    needed = f"give {', '.join(KINDS)}, or the path of a Python file with a function `command` or "
+    source = read_text(file, f"law.kind = {file!r}", f"{needed}`learn`")
+    module = _executed(Path(file), source)
     command, learn = (getattr(module, name, None) for name in ("command", "learn"))
     if command is None and learn is None:
-        raise ExperimentError(f"{path}: defines neither `command` nor `learn`; one is needed")
-    for function, arguments in ((command, COMMAND), (learn, LEARN)):
-        if function is not None:
-            _check_shape(path, function, arguments)
-    return CustomLaw(standard if command is None else _adapted(command), learn, str(path))
+        raise ExperimentError(f"{file}: defines neither `command` nor `learn`; one is needed")
+    if command is not None and (found := _arguments(file, "command", command)) != COMMAND:
+        raise ExperimentError(
+            f"{file}: command({', '.join(found)}): its arguments must be ({', '.join(COMMAND)})"
+        )
+    if learn is not None and (unknown := set(_arguments(file, "learn", learn)) - set(LEARN)):
+        raise ExperimentError(
+            f"{file}: learn has the argument {min(unknown)!r}; it may have {', '.join(LEARN)}"
+        )
+    return CustomLaw(standard if command is None else _adapted(command), learn, file)
 
 
-def _imported(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"resonance_mj_law_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise ExperimentError(f"{path}: is no Python file")
-    module = importlib.util.module_from_spec(spec)
+def _executed(path: Path, source: str) -> ModuleType:
+    module = ModuleType(f"resonance_mj_law_{path.stem}")
+    module.__file__ = str(path)
     try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise ExperimentError(f"{path}: cannot be imported: {error!r}") from error
+        with _fresh_modules(path.resolve().parent):
+            exec(compile(source, str(path), "exec"), vars(module))
+    except (Exception, SystemExit) as error:
+        raise ExperimentError(f"{path}: cannot be executed: {_said(error, str(path))}") from error
     return module
 
 
-def _check_shape(path: Path, function: Callable[..., Any], arguments: tuple[str, ...]) -> None:
-    found = tuple(inspect.signature(function).parameters)
-    if found != arguments:
-        raise ExperimentError(
-            f"{path}: {function.__name__}({', '.join(found)}): its arguments must be "
-            f"({', '.join(arguments)})"
-        )
+@contextmanager
+def _fresh_modules(folder: Path) -> Iterator[None]:
+    """Let what stands in a folder be imported, and anew; the process keeps what it had of it."""
+
+    def inside() -> dict[str, ModuleType]:
+        files = {name: getattr(module, "__file__", None) for name, module in sys.modules.items()}
+        return {
+            name: sys.modules[name]
+            for name, file in files.items()
+            if file and name != "__main__" and Path(file).parent == folder
+        }
+
+    before, path = inside(), list(sys.path)
+    settings = sys.dont_write_bytecode, sys.pycache_prefix
+    for name in before:
+        del sys.modules[name]
+    sys.path.insert(0, str(folder))
+    # Bytecode is of this source only to the second.
+    sys.dont_write_bytecode, sys.pycache_prefix = True, str(folder / "no-bytecode")
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.dont_write_bytecode, sys.pycache_prefix = settings
+        for name in inside():
+            del sys.modules[name]
+        sys.modules.update(before)
+
+
+def _said(error: BaseException, file: str) -> str:
+    """An error of a user's code in a line, with the line of the file where it is known."""
+    line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else None
+    trace = error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == file:
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    at = f" in line {line}" if line else ""
+    return f"{cut(one_line(f'{type(error).__name__}: {error}'), 300)}{at}"
+
+
+def _arguments(file: str, name: str, function: object) -> tuple[str, ...]:
+    if not inspect.isfunction(function):
+        raise ExperimentError(f"{file}: {name} is {cut(repr(function))}; a function is needed")
+    return tuple(inspect.signature(function).parameters)
 
 
 def _adapted(custom: Callable[..., None]) -> Command:
     """A custom `command` as the control step calls it."""
     # Its runtime must be there: a compiled law of one's own may allocate or raise.
     importlib.import_module("numba")
-    step_function(custom)
 
-    @step_function
     def command(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
         own = views(memory)
         for j in range(own.n):

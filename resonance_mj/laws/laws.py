@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..experiments.experiment import Experiment
-from ..springs.fit import LinearSprings
 from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
@@ -95,10 +94,7 @@ def _of_a_file(file: str) -> Law:
     custom = custom_law.load(file)
 
     def learn(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
-        signals = (cycle.u, cycle.y, cycle.q, *cycle.springs)
-        parameters = np.array(experiment.law.parameters)
-        u, *springs = custom.learned(tuple(part.copy() for part in signals), parameters)
-        return Learned(u, LinearSprings(*springs))
+        return custom.learned(cycle, experiment.law.parameters, experiment.springs)
 
     adapts = ("gamma_k", "gamma_qe")
     return Law(custom.command, learn if custom.learn else spring_transfer, adapts)

@@ -10,8 +10,12 @@ import numpy as np
 from ..errors import ExperimentError
 from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
+from ..text import listed, shown
 from . import rotations, waypoints
 from .waypoints import Waypoints
+
+MOST_HARMONICS = 1000
+"""Harmonics of 1/T that a motion may have."""
 
 
 class Samples(NamedTuple):
@@ -151,14 +155,22 @@ def _check(motion: Motion, robot: Robot, name: str) -> None:
     for axis in motion.plane or ():
         if axis not in axes:
             raise ExperimentError(
-                f"{name}: plane = {list(motion.plane or ())}: {axis} is not one of the task's "
-                f"coordinates: {', '.join(axes)}"
+                f"{name}: plane = {shown(motion.plane)}: {axis} is not one of the task's "
+                f"coordinates: {listed(axes)}"
             )
     for key in ("rotation_sin", "rotation_cos"):
         if getattr(motion, key) and not robot.rotates:
             raise ExperimentError(
                 f"{name}: {key} is given, and the task has no rotation; its coordinates are "
                 f"{', '.join(axes)}: take {key} out, or add 'rotation' to task.coordinates"
+            )
+    nyquist = motion.steps(robot.model.opt.timestep) // 2
+    for key in ("sin", "cos", "rotation_sin", "rotation_cos"):
+        most = max(map(len, getattr(motion, key)), default=0)
+        if most > min(nyquist, MOST_HARMONICS):
+            raise ExperimentError(
+                f"{name}: {key} has {most} harmonics of 1/T; valid are at most {MOST_HARMONICS}, "
+                f"and the Nyquist limit, period / (2 timestep) = {nyquist}"
             )
     _, turn = _pose(motion, robot)
     inside = np.array([axis in axes for axis in "xyz"])

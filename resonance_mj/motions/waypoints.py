@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..errors import ExperimentError
+from ..files import read_text
+from ..text import cut, shown
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -16,8 +17,11 @@ if TYPE_CHECKING:
 JUMP = 5.0
 """The step over the seam may be this many times the largest other step between two rows."""
 
-FEWEST = 3
-"""Waypoints that a cycle needs at least."""
+FEWEST, MOST = 3, 100_000
+"""Waypoints that a cycle may have."""
+
+LARGEST = 1e6
+"""Size up to which a number is valid."""
 
 
 class Waypoints(NamedTuple):
@@ -55,16 +59,19 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
     Raises:
         ExperimentError: the file cannot be read, or a row, a column or the seam is not valid.
     """
-    where = f"{name}: {file}"
+    where = f"{name}: {cut(file, 200)}"
     lines = _lines(file, name)
     if not lines:
         raise ExperimentError(f"{where}: has no rows; at least {FEWEST} waypoints are needed")
     first, cells = lines[0]
     if any(_is_number(cell) for cell in cells):
         columns = _in_order(cells, axes, f"{where}: line {first}")
+        _row(cells, columns, f"{where}: line {first}", quoted=False)
     else:
         columns = _header(cells, axes, f"{where}: line {first}")
         lines = lines[1:]
+    if len(lines) > MOST:
+        raise ExperimentError(f"{where}: has {len(lines)} waypoints; at most {MOST} are valid")
     rows = np.array([_row(cells, columns, f"{where}: line {at}") for at, cells in lines])
     if len(rows) < FEWEST:
         rows_are = "is 1 row" if len(rows) == 1 else f"are {len(rows)} rows"
@@ -100,21 +107,8 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
 
 def _lines(file: str, name: str) -> list[tuple[int, list[str]]]:
     """Number and cells of each line that is no comment, up to the last that is not empty."""
-    try:
-        # utf-8-sig: spreadsheets begin their files with a byte order mark.
-        text = Path(file).read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise ExperimentError(
-            f"{name}: file = {file!r}: no such file; give the path of a CSV of waypoints, absolute "
-            "or from the experiment's own folder"
-        ) from None
-    except UnicodeDecodeError as error:
-        raise ExperimentError(
-            f"{name}: {file}: byte {error.start + 1} is not UTF-8; save it as a CSV in UTF-8"
-        ) from None
-    except OSError as error:
-        reason = error.strerror or error
-        raise ExperimentError(f"{name}: file = {file!r}: cannot be read: {reason}") from None
+    needed = "give a CSV of waypoints, by a path that is absolute or from the experiment's folder"
+    text = read_text(file, f"{name}: file = {cut(file, 200)!r}", needed)
     lines: list[tuple[int, list[str]]] = []
     empty: int | None = None
     for at, line in enumerate(text.splitlines(), start=1):
@@ -138,8 +132,10 @@ def _header(cells: list[str], axes: tuple[str, ...], where: str) -> list[str]:
     valid = ["t", "phase", *axes]
     for cell in cells:
         if cell not in valid:
+            # A file without any valid column is not a CSV of waypoints: what it holds stays there.
+            what = f"column {shown(cell)}" if set(valid) & set(cells) else "columns"
             raise ExperimentError(
-                f"{where}: unknown column {cell!r}; valid columns, separated by commas, are "
+                f"{where}: unknown {what}; valid columns, separated by commas, are "
                 f"{', '.join(valid)}"
             )
         if cells.count(cell) > 1:
@@ -171,7 +167,8 @@ def _in_order(cells: list[str], axes: tuple[str, ...], where: str) -> list[str]:
     )
 
 
-def _row(cells: list[str], columns: list[str], where: str) -> list[float]:
+def _row(cells: list[str], columns: list[str], where: str, quoted: bool = True) -> list[float]:
+    """Numbers of a row; `quoted` in the error only if the file is known to be one of waypoints."""
     if len(cells) != len(columns):
         raise ExperimentError(
             f"{where}: has {len(cells)} columns; {len(columns)} are needed, separated by commas: "
@@ -184,10 +181,16 @@ def _row(cells: list[str], columns: list[str], where: str) -> list[float]:
         if not cell:
             raise ExperimentError(f"{at}: empty, a gap; a number in {unit} is needed")
         if not _is_number(cell):
-            raise ExperimentError(f"{at} = {cell!r}: not a number; a number in {unit} is needed")
-        if not math.isfinite(float(cell)):
-            raise ExperimentError(f"{at} = {cell}: a gap; a finite number in {unit} is needed")
-        values.append(float(cell))
+            given = f" = {shown(cell)}" if quoted else ""
+            raise ExperimentError(f"{at}{given}: not a number; a number in {unit} is needed")
+        number = float(cell)
+        if not math.isfinite(number):
+            raise ExperimentError(f"{at} = {number}: a gap; a finite number in {unit} is needed")
+        if abs(number) > LARGEST:
+            raise ExperimentError(
+                f"{at} = {number:g}: a number in {unit} from -{LARGEST:g} to {LARGEST:g} is needed"
+            )
+        values.append(number)
     return values
 
 
@@ -205,8 +208,9 @@ def _check_clock(
     """Check that the rows' times fit into a cycle, and say whether the last closes it."""
     unit = "s" if clock == "t" else "cycles"
     steps = np.diff(time)
-    if steps.min() <= 0:
-        i = int(np.argmin(steps > 0))
+    apart = steps > 1e-9 * cycle
+    if not apart.all():
+        i = int(np.argmin(apart))
         raise ExperimentError(
             f"{where}: line {numbers[i + 1]}, column {clock} = {time[i + 1]:g}: not after the "
             f"{time[i]:g} {unit} of the row before; increasing times are needed"

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..callback.foreign import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.experiment import Experiment
 from ..laws import laws
@@ -238,7 +239,9 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
         ExperimentError: a list in the experiment is not as long as the arm or the task needs.
         RobotError: the robot cannot be loaded.
         MotionError: no size was given and the arm can make the motion in none.
+        CallbackError: a callback that is not ours would act on the robot.
     """
+    refuse_foreign()
     law = laws.load(experiment.law.kind)
     robot = build(experiment)
     unloaded = Kinematics(robot)

@@ -63,6 +63,15 @@ class MotionOfRun:
     samples: xr.Dataset
 
     @property
+    def optimum_of(self) -> str:
+        """Which joint motion the optimum is of: `desired`, or `made` where the task leaves it free.
+
+        The one made is that of the motion's last whole cycle.
+        """
+        sizes = self.samples.sizes
+        return "made" if sizes["axis"] < sizes["joint"] else "desired"
+
+    @property
     def torque_reduction_optimal(self) -> float:
         """1 - torque² of the optimum / that without springs; NaN if no torque is needed."""
         optimal, without = self.torque_squared_optimal, self.torque_squared_without_springs
