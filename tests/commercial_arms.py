@@ -121,7 +121,11 @@ def measure(case: Case) -> Found:
 def main() -> None:
     """Print the table."""
     heads = ("arm", "home", "task", "motion", "status", "less torque² than without springs")
-    heads += ("torque² / bounded optimum of the motion made", "position RMS [mm]", "rotation RMS [mrad]")
+    heads += (
+        "torque² / bounded optimum of the motion made",
+        "position RMS [mm]",
+        "rotation RMS [mrad]",
+    )
     heads += ("first cycle at the optimum",)
     print("| " + " | ".join(heads) + " |")
     print("|" + "---|" * len(heads))

@@ -134,8 +134,11 @@ class Sheet:
         letter = f"({next(self._letters)}) " if self._letters else ""
         room = wide + self._beyond
         pitch = 1.35 * SMALL  # of the notes [pt]
-        title = fitting([letter + wording for wording in wordings], FONT, room, name)
-        ax.set_title(title, pad=4 + pitch * len(notes))
+        titles = [letter + wording for wording in wordings]
+        fits = any(width_of(title.replace("{}", name), FONT) <= room for title in titles)
+        size = FONT if fits else SMALL
+        title = fitting(titles, size, room, name)
+        ax.set_title(title, fontsize=size, pad=4 + pitch * len(notes))
         for line, note in enumerate(reversed(notes)):
             ax.annotate(
                 fitting([note], SMALL, room),
@@ -172,7 +175,9 @@ def abscissa_of_the_panel_below(ax: Axes) -> None:
 def heading(run: Run) -> str:
     """What was run, under which law, and how it ended."""
     law, motions = run.experiment.law, run.experiment.motion
-    periods = ", ".join(f"{motion.cycles} × {motion.period:g} s" for motion in motions)
+    periods = ", ".join(
+        f"{motion.cycles}\u00a0×\u00a0{motion.period:g}\u00a0s" for motion in motions
+    )
     form = f" (J {law.jacobian})" if law.jacobian else ""
     return (
         f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, "

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from markupsafe import Markup
 
 from ...errors import PictureError
 from ...results.run import Run
@@ -68,8 +69,8 @@ class Film:
     """
 
     plan: Plan
-    mp4: str
-    poster: str
+    mp4: Markup
+    poster: Markup
     size: tuple[int, int]
 
 
@@ -140,5 +141,5 @@ def _spans(run: Run, end: float) -> list[tuple[float, float]]:
     return spans
 
 
-def _base64(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
+def _base64(data: bytes) -> Markup:
+    return Markup(base64.b64encode(data).decode("ascii"))

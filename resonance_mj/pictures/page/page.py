@@ -4,30 +4,29 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import jinja2
 from markupsafe import Markup
 
+from ... import text
 from ...results.run import Run, finite
 from ..figures.catalogue import Entry
-from ..figures.sizes import COLUMN, PAGE
 from . import drawings
 from .comparing import Difference, best
 from .content import Content
-from .drawings import Drawing
 from .film import Film
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of the catalogue, drawn in two widths."""
+    """A figure of the catalogue, as a part of the page."""
 
     entry: Entry
-    wide: Drawing
-    narrow: Drawing
-    """As wide as a phone."""
+    svg: Markup
 
 
 @dataclass(frozen=True)
@@ -65,9 +64,16 @@ class Page:
             loader=jinja2.PackageLoader(__package__, "templates"),
             autoescape=True,
             undefined=jinja2.StrictUndefined,
+            finalize=_placeless,
             trim_blocks=True,
             lstrip_blocks=True,
         )
+        environment.filters |= {
+            "number": _data(text.number),
+            "percent": _data(text.percent),
+            "metres": _data(text.length),
+            "radians": _data(text.angle),
+        }
         environment.filters["data_uri"] = _data_uri
         environment.filters["json"] = lambda value: json.dumps(finite(value), indent=2)
 
@@ -75,20 +81,11 @@ class Page:
             assert environment.loader is not None
             return Markup(environment.loader.get_source(environment, name)[0])
 
-        drawn = [figure for group in (self.shared, *self.figures) for figure in group]
-        every = [drawing for figure in drawn for drawing in (figure.wide, figure.narrow)]
-        return environment.get_template("page.html").render(
-            page=self, dark=drawings.style(every), asset=asset
-        )
-
-
-def _data_uri(text: str, kind: str) -> str:
-    """A text as an address that holds it."""
-    return f"data:{kind};base64,{base64.b64encode(text.encode()).decode('ascii')}"
+        return environment.get_template("page.html").render(page=self, asset=asset)
 
 
 def figures(
-    entries: list[Entry], runs: list[Run], anchor: str, done: Callable[[], None]
+    entries: Sequence[Entry], runs: Sequence[Run], anchor: str, done: Callable[[], None]
 ) -> tuple[Figure, ...]:
     """Draw figures for a page.
 
@@ -100,12 +97,44 @@ def figures(
     """
     drawn = []
     for entry in entries:
-        wide, narrow = (
-            drawings.inline(
-                entry.draw(runs, width), f"{anchor}-{entry.name}-{width:.0f}", entry.title
-            )
-            for width in (PAGE, COLUMN)
-        )
-        drawn.append(Figure(entry, wide, narrow))
+        figure = entry.draw(runs, drawings.WIDTH)
+        svg = drawings.inline(figure, f"{anchor}-{entry.name}", entry.title)
+        drawn.append(Figure(entry, svg))
         done()
     return tuple(drawn)
+
+
+def _data(written: Callable[..., str]) -> Callable[..., Markup]:
+    """A number as it is read, with all its digits for programs."""
+
+    def element(value: float | None, *digits: int) -> Markup:
+        shown = text.minus(written(value, *digits))
+        if shown == text.NOTHING:
+            return Markup(shown)
+        return Markup('<data value="{}">{}</data>').format(value, shown)
+
+    return element
+
+
+def _data_uri(content: str, kind: str) -> str:
+    """A text as an address that holds it."""
+    data = base64.b64encode(_placeless(content).encode()).decode("ascii")
+    return f"data:{kind};base64,{data}"
+
+
+def _placeless(value: Any) -> Any:
+    """A text without the folders of absolute paths: a page is sent, and they are its sender's."""
+    if not isinstance(value, str) or isinstance(value, Markup):
+        return value
+    return FOLDERS.sub("", value)
+
+
+FOLDERS = re.compile(
+    r"""
+    (?<=["'])(?:/|[A-Za-z]:[\\/])[^"'\n]*[\\/](?=[^"'\\/\n]*["'])  # in quotes, with spaces
+    | (?<![\w.:/<~])/(?:[^\s/"'<>:;,]+/)+                        # /home/user/
+    | (?<!\w)[A-Za-z]:[\\/]+(?:[^\s\\/"'<>:;,]+[\\/]+)+            # C:\\Users\\user\\
+    """,
+    re.VERBOSE,
+)
+"""What stands before the name of a file in an absolute path."""

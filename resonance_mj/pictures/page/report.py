@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ...errors import OutputError, PictureError, RobotError
 from ...files import could_be_written, replacing, writable
 from ...results.run import Run, versions
+from ...text import told_apart
 from . import film as films
 from .comparing import differences
 from .content import content
@@ -45,7 +46,7 @@ def report(
             of several.
         video: whether to film the runs; it takes most of the time.
         title: of the page; the names of the runs if not given.
-        labels: what the page calls each run; the experiments' names, or those of the folders
+        labels: what the page calls each run; the experiments' names, and the keys that differ
             where these are alike.
         progress: is called with the number of pictures done and that of all.
         note: is called with each line that the user should know.
@@ -63,7 +64,11 @@ def report(
     folders = [None if isinstance(one, Run) else Path(one) for one in given]
     runs = [one if isinstance(one, Run) else Run.load(one) for one in given]
     path = _destination(path, folders)
-    names = _labels(labels, runs, folders)
+    if labels is not None and len(labels) != len(runs):
+        raise OutputError(f"{len(labels)} labels for {len(runs)} runs: give one each")
+    names = labels or told_apart(
+        [one.experiment.name for one in runs], [one.experiment.model_dump() for one in runs]
+    )
     page = _page(runs, folders, names, title, video, progress, note or (lambda line: None))
     writable(path.parent)
     with replacing(path) as beside:
@@ -84,28 +89,10 @@ def _destination(path: str | os.PathLike[str] | None, folders: list[Path | None]
     return path
 
 
-def _labels(
-    labels: Sequence[str] | None, runs: list[Run], folders: list[Path | None]
-) -> tuple[str, ...]:
-    if labels is not None:
-        if len(labels) != len(runs):
-            raise OutputError(f"{len(labels)} labels for {len(runs)} runs: give one each")
-        return tuple(labels)
-    names = [run.experiment.name for run in runs]
-    if len(set(names)) < len(names):
-        names = [
-            name if folder is None else folder.resolve().name
-            for name, folder in zip(names, folders, strict=True)
-        ]
-    if len(set(names)) < len(names):
-        names = [f"{name} ({number})" for number, name in enumerate(names, start=1)]
-    return tuple(names)
-
-
 def _page(
     runs: list[Run],
     folders: list[Path | None],
-    names: tuple[str, ...],
+    names: Sequence[str],
     title: str | None,
     video: bool,
     progress: Progress | None,
@@ -151,7 +138,7 @@ def _page(
     )
 
 
-def _plan(runs: list[Run], names: tuple[str, ...]) -> tuple[Plan | None, str]:
+def _plan(runs: list[Run], names: Sequence[str]) -> tuple[Plan | None, str]:
     """What will be filmed, and what is to be said about it."""
     try:
         planned = films.plan(runs, names)
