@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import shutil
 import stat
+import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from .errors import ExperimentError, OutputError, ResonanceError
 from .text import cut
 
+if sys.platform != "win32":
+    import fcntl
+
 LARGEST = 4_000_000
 """Bytes that a text file of a user may have."""
+
+STAGING = ".resonance-mj-"
+"""What the name of a folder begins with in which files are written before they take their place."""
+
+LONGEST = 255
+"""Bytes that a file system takes in a name."""
 
 
 def read_text(
@@ -36,13 +49,11 @@ def read_text(
         ResonanceError: the file is missing, not regular, too long, not UTF-8 or may not be read.
     """
     try:
-        with open(path, "rb", opener=_without_waiting) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                reason = "is a device or a pipe, not a file"
-            elif len(content := file.read(limit + 1)) > limit:
-                reason = f"is longer than {limit / 1e6:g} MB"
-            else:
-                return content.decode("utf-8-sig")
+        with regular(path) as file:
+            content = file.read(limit + 1)
+        if len(content) <= limit:
+            return content.decode("utf-8-sig")
+        reason = f"is longer than {limit / 1e6:g} MB"
     except FileNotFoundError:
         reason = "does not exist"
     except IsADirectoryError:
@@ -62,9 +73,18 @@ def is_file(path: str | os.PathLike[str]) -> bool:
         return False
 
 
-def _without_waiting(path: str, flags: int) -> int:
-    """Open a file; a pipe that nobody writes to is opened too, and not waited for."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+@contextmanager
+def regular(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A file that is opened to be read: a regular one, as a device or a pipe may have no end.
+
+    Raises:
+        OSError: it does not exist, is not regular or may not be read.
+    """
+    # Without blocking: a pipe that nobody writes to is refused, not waited for.
+    with os.fdopen(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "it is a device or a pipe, not a file")
+        yield file
 
 
 def writable(folder: str | os.PathLike[str]) -> Path:
@@ -78,8 +98,8 @@ def writable(folder: str | os.PathLike[str]) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        raise _unwritable(folder, error.strerror or str(error)) from None
+    except (OSError, ValueError) as error:
+        raise _unwritable(folder, error) from None
     return folder
 
 
@@ -90,30 +110,108 @@ def could_be_written(folder: str | os.PathLike[str]) -> Path:
         OutputError: it cannot.
     """
     folder = Path(folder)
-    nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    try:
+        nearest = _nearest(folder)
+    except (OSError, ValueError) as error:
+        raise _unwritable(folder, error) from None
     if not nearest.is_dir():
         raise _unwritable(folder, f"{nearest} is not a folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise _unwritable(folder, f"{nearest} may not be written")
+    if any(len(os.fsencode(part)) > LONGEST for part in folder.parts):
+        raise _unwritable(folder, f"a name in it is longer than {LONGEST} bytes")
     return folder
 
 
-def _unwritable(folder: Path, reason: str) -> OutputError:
-    return OutputError(f"{folder}: cannot be written: {reason}; give a folder that can")
+def _nearest(folder: Path) -> Path:
+    """The folder, or the nearest of those that hold it which exists."""
+    path = folder.absolute()
+    while True:
+        try:
+            path.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            if path.is_symlink():
+                raise
+            path = path.parent
+        else:
+            return path
+
+
+def _unwritable(path: Path, reason: str | Exception) -> OutputError:
+    why = getattr(reason, "strerror", None) or reason
+    return OutputError(f"{path}: cannot be written: {why}; give a folder that can")
 
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a path to write beside `path`; it takes that name if and only if the block succeeds.
+    """Give a path to write to; it takes the place of `path` if and only if the block succeeds.
 
     Raises:
         OutputError: the file cannot be written.
     """
-    beside = path.with_name(f".{os.getpid()}.{path.name}")
     try:
-        yield beside
-        beside.replace(path)
+        with _staging(path.parent) as staging:
+            yield staging / path.name
+            (staging / path.name).replace(path)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        beside.unlink(missing_ok=True)
+        raise _unwritable(path, error) from None
+
+
+def write(folder: str | os.PathLike[str], files: Mapping[str, bytes]) -> Path:
+    """Write files into a folder, which is made if needed: all of them, or none.
+
+    They take their places in this order when all are complete, and not among those of another
+    call. What a process that was killed left in the folder is removed.
+
+    Args:
+        folder: where they are written.
+        files: their contents, by name.
+
+    Raises:
+        OutputError: they cannot be written; what was there before is as it was.
+    """
+    folder = writable(folder)
+    try:
+        with _staging(folder) as staging:
+            for name, content in files.items():
+                (staging / name).write_bytes(content)
+                if (folder / name).is_dir():
+                    raise IsADirectoryError(None, f"{name} is a folder")
+            with _locked(folder):
+                for name in files:
+                    (staging / name).replace(folder / name)
+    except OSError as error:
+        raise _unwritable(folder, error) from None
+    return folder
+
+
+@contextmanager
+def _staging(folder: Path) -> Iterator[Path]:
+    """A new folder in `folder`, removed at the end, or by the next call if killed before."""
+    with ExitStack() as stack:
+        with _locked(folder) as alone:
+            for left in folder.glob(f"{STAGING}*") if alone else ():
+                with _locked(left, wait=False) as dead:
+                    if dead:
+                        shutil.rmtree(left, ignore_errors=True)
+            staging = Path(tempfile.mkdtemp(prefix=STAGING, dir=folder))
+            stack.callback(shutil.rmtree, staging, ignore_errors=True)
+            stack.enter_context(_locked(staging))
+        yield staging
+
+
+@contextmanager
+def _locked(folder: Path, wait: bool = True) -> Iterator[bool]:
+    """Hold a folder's lock, which ends with its process; yields whether it could be had."""
+    if sys.platform == "win32":
+        yield False
+        return
+    with ExitStack() as stack:
+        try:
+            descriptor = os.open(folder, os.O_RDONLY)
+            stack.callback(os.close, descriptor)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+            held = True
+        except OSError:  # another has it, or the file system has no locks
+            held = False
+        yield held

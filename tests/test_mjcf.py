@@ -32,16 +32,16 @@ def read(path, tool=None, home=None):
 
 def test_a_usual_name_on_the_base_is_not_the_tool(tmp_path):
     arm, _ = read(written(tmp_path, tool="<site name='tcp' pos='.25 0 0'/>"))
-    assert arm.tool == "tcp"
+    assert arm.site == "tcp"
     arm, model = read(written(tmp_path))
-    assert model.body(model.site(arm.tool).bodyid[0]).name == "lower"
+    assert model.body(model.site(arm.site).bodyid[0]).name == "lower"
     assert any("deepest of the longest chain" in note for note in arm.notes)
 
 
 def test_a_body_can_be_the_tool(tmp_path):
     arm, model = read(written(tmp_path), tool="upper")
     assert arm.joints == ("shoulder",)
-    assert model.body(model.site(arm.tool).bodyid[0]).name == "upper"
+    assert model.body(model.site(arm.site).bodyid[0]).name == "upper"
 
 
 HAND = """<body name="hand" pos=".25 0 0"><geom size=".02"/>
@@ -59,7 +59,7 @@ def test_a_gripper_is_held_exactly_where_the_home_keyframe_has_it(tmp_path):
     path = written(tmp_path, tool=HAND, rest=GRIP)
     arm, model = read(path)
     assert arm.joints == ("shoulder", "elbow")
-    assert model.body(model.site(arm.tool).bodyid[0]).name == "hand"
+    assert model.body(model.site(arm.site).bodyid[0]).name == "hand"
     original = mujoco.MjModel.from_xml_path(str(path))
     before, after = mujoco.MjData(original), mujoco.MjData(model)
     before.qpos[:] = original.key("home").qpos
@@ -337,8 +337,8 @@ def test_default_classes_change_neither_the_motors_nor_the_tool(tmp_path):
     nsample="20" armature="1"/><site pos="1 2 3" euler="1 2 3"/></default>"""
     path.write_text(path.read_text().replace("<mujoco>", default))
     arm, model = read(path)
-    np.testing.assert_array_equal(model.site(arm.tool).pos, 0)
-    np.testing.assert_array_equal(model.site(arm.tool).quat, [1, 0, 0, 0])
+    np.testing.assert_array_equal(model.site(arm.site).pos, 0)
+    np.testing.assert_array_equal(model.site(arm.site).quat, [1, 0, 0, 0])
     assert not model.jnt_stiffness.any()
     assert not model.jnt_stiffnesspoly.any()
     np.testing.assert_array_equal(model.dof_damping, 1)
@@ -402,7 +402,7 @@ def test_joints_and_bodies_without_names_get_some_that_are_free(tmp_path):
     )
     arm, model = read(path)
     assert arm.joints == ("unnamed_joint2", "unnamed_joint2_")
-    assert model.body(model.site(arm.tool).bodyid[0]).name == "unnamed_body3"
+    assert model.body(model.site(arm.site).bodyid[0]).name == "unnamed_body3"
 
 
 def test_bodies_that_the_compiler_would_fuse_keep_their_places(tmp_path):
@@ -411,7 +411,7 @@ def test_bodies_that_the_compiler_would_fuse_keep_their_places(tmp_path):
     path = written(tmp_path, tool=flange, scene=scene)
     path.write_text(path.read_text().replace("<mujoco>", "<mujoco><compiler fusestatic='true'/>"))
     arm, model = read(path)
-    assert model.body(model.site(arm.tool).bodyid[0]).name == "flange"
+    assert model.body(model.site(arm.site).bodyid[0]).name == "flange"
     np.testing.assert_array_equal(model.body("table").pos, [2, 0, 0])
 
 

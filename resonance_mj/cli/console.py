@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-DONE, NOT_WELL, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit statuses."""
+DONE, NOT_WELL, BAD_INPUT, ENDED_BY_SIGNAL = 0, 1, 2, 128
+"""Exit statuses; to the last the number of the signal is added."""
 
 
 def console() -> Console:

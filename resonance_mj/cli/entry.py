@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import NoReturn
 
 from ..errors import ExperimentError, ResonanceError
 from ..text import cut, one_line
 from . import keys_as_options
-from .console import BAD_INPUT, DONE, INTERRUPTED
+from .console import BAD_INPUT, DONE, ENDED_BY_SIGNAL
 
 COMMANDS = {
     "run": "run_command",
@@ -36,7 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line.
 
     Returns:
-        The exit status: 0 done, 1 the run did not end well, 2 bad input.
+        The exit status: 0 done, 1 the run did not end well, 2 bad input, 128 and the number of the
+        signal that ended it.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
@@ -52,6 +55,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ResonanceError as error:
         print(f"resonance-mj: {error}", file=sys.stderr)
         return BAD_INPUT
+    except KeyboardInterrupt as error:
+        by = signal.Signals(error.args[0] if error.args else signal.SIGINT)
+        with suppress(OSError):  # the terminal may be gone
+            said = f"resonance-mj: ended by {by.name}; no file is left half-written"
+            print(said, file=sys.stderr)
+        return ENDED_BY_SIGNAL + by
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
@@ -61,9 +70,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = f"{name}: " if (name := error.filename or gone) else ""
         print(one_line(f"resonance-mj: {where}{error.strerror or error}"), file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print("resonance-mj: interrupted; no file is left half-written", file=sys.stderr)
-        return INTERRUPTED
 
 
 class _Parser(argparse.ArgumentParser):

@@ -18,8 +18,8 @@ from ..laws.gains import Gains
 from ..motions import default_motion
 from ..motions.kinematics import JointMotion
 from ..plan.plan import plan_for
-from ..robots import mjcf
 from ..robots.robot import Robot
+from ..robots.tool import Tool
 from ..springs.optimum import Optimum
 
 
@@ -59,21 +59,6 @@ class Joint:
         """Peak motor torque without springs, as a share of the motor's smaller limit."""
         weaker = min(abs(end) for end in self.torque_limit)
         return self.peak_torque / weaker if weaker else np.inf
-
-
-@dataclass(frozen=True)
-class Tool:
-    """What could follow the motion: moved by as many joints as the MJCF has in a row.
-
-    Attributes:
-        name: in the MJCF.
-        kind: site or body.
-        body: the body that carries a site; the body itself.
-    """
-
-    name: str
-    kind: str
-    body: str
 
 
 @dataclass(frozen=True)
@@ -123,12 +108,12 @@ def inspect(experiment: Experiment) -> Inspection:
     robot, complete, gains = plan.robot, plan.experiment, plan.gains
     found, optima = plan.joints, plan.optima
     values = [np.linalg.svd(plan.kinematics.jacobian(q), compute_uv=False) for q in found[0].q]
-    tool = _tool(robot)
+    tool = robot.tools[0]
     chosen = [note for note in robot.notes if note.startswith("tool: ")]
     return Inspection(
         experiment=_written_out(complete, robot, gains, tool),
         joints=_joints(robot, found[0], optima[0]),
-        tools=tuple(dict.fromkeys((tool, *_tools(mjcf.find(experiment.robot.mjcf))))),
+        tools=robot.tools,
         tool=tool,
         tool_reason=chosen[0].rpartition(", ")[2] if chosen else "given",
         axes=robot.axes,
@@ -163,30 +148,6 @@ def _joints(robot: Robot, motion: JointMotion, best: Optimum) -> tuple[Joint, ..
 
 def _ends(pair: np.ndarray) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
-
-
-def _tool(robot: Robot) -> Tool:
-    name = robot.model.site(robot.site).name
-    body = robot.model.body(int(robot.model.site_bodyid[robot.site])).name
-    return Tool(body, "body", body) if name == mjcf.TOOL_SITE else Tool(name, "site", body)
-
-
-def _tools(path: Path) -> tuple[Tool, ...]:
-    """Sites and bodies with a name that the longest chain of hinges and slides moves."""
-    model = mujoco.MjModel.from_xml_path(str(path))
-    length = np.zeros(model.nbody)
-    for body in range(1, model.nbody):
-        first, number = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-        kinds = model.jnt_type[first : first + number]
-        # Balls and free bodies can carry no spring, nor can what they move be the tool.
-        springs = np.all(kinds >= int(mujoco.mjtJoint.mjJNT_SLIDE))
-        length[body] = length[model.body_parentid[body]] + (number if springs else np.nan)
-    at_end = length == np.nanmax(length)
-    sites = [model.site(i) for i in range(model.nsite) if at_end[model.site_bodyid[i]]]
-    bodies = [model.body(i) for i in range(model.nbody) if at_end[i]]
-    found = [Tool(site.name, "site", model.body(int(site.bodyid[0])).name) for site in sites]
-    found += [Tool(body.name, "body", body.name) for body in bodies]
-    return tuple(tool for tool in found if tool.name)
 
 
 def _written_out(complete: Experiment, robot: Robot, gains: Gains, tool: Tool) -> Experiment:

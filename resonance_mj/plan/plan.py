@@ -103,7 +103,7 @@ class Plan:
     @property
     def layout(self) -> Layout:
         """Sizes of the controller's block of memory."""
-        return self.robot.layout
+        return _layout(self.experiment, self.robot.n, self.robot.m, self.robot.model.nv)
 
     @cached_property
     def schedule(self) -> list[int]:
@@ -243,7 +243,7 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     """
     refuse_foreign()
     law = laws.load(experiment.law.kind)
-    robot = build(experiment)
+    robot = build(experiment, lambda n, m, dofs: _layout(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
     experiment = _filled_in(experiment, unloaded)
     by_payload = {0.0: unloaded}
@@ -272,6 +272,17 @@ def optimum(experiment: Experiment) -> list[Optimum]:
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
     """
     return plan_for(experiment).optima
+
+
+def _layout(experiment: Experiment, joints: int, coordinates: int, dofs: int) -> Layout:
+    dt = experiment.simulation.timestep
+    return Layout(
+        joints=joints,
+        coordinates=coordinates,
+        dofs=dofs,
+        steps=max(motion.steps(dt) for motion in experiment.motion),
+        parameters=len(experiment.law.parameters),
+    )
 
 
 def _filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import platform
@@ -15,11 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ..errors import OutputError
 from ..experiments.experiment import Experiment
-from ..experiments.loading import load
-from ..files import replacing, writable
 from ..status import Status
+from . import storing
 from .motions import MotionOfRun, motions
 
 if TYPE_CHECKING:
@@ -117,28 +114,7 @@ class Run:
         Raises:
             OutputError: the folder cannot be written.
         """
-        folder = writable(folder)
-        with replacing(folder / "run.nc") as path:
-            data = self.data.assign_attrs(
-                title=f"resonance-mj run {self.experiment.name}",
-                status=str(self.status),
-                message=self.message,
-                notes=json.dumps(self.notes),
-                steps=self.steps,
-                simulation_wall_s=self.simulation_wall_s,
-                versions=json.dumps(self.versions),
-            )
-            data.to_netcdf(path, engine="h5netcdf")
-        with replacing(folder / "summary.json") as path:
-            path.write_text(json.dumps(self.summary(), indent=2) + "\n", encoding="utf-8")
-        with replacing(folder / "experiment.toml") as path:
-            made_by = "".join(f"# {name} {number}\n" for name, number in self.versions.items())
-            path.write_text(
-                f"# The experiment as it was run, with every default filled in.\n{made_by}\n"
-                + self.experiment.to_toml(),
-                encoding="utf-8",
-            )
-        return folder
+        return storing.save(self, folder)
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> Run:
@@ -147,25 +123,7 @@ class Run:
         Raises:
             OutputError: the folder does not hold a run.
         """
-        folder = Path(folder)
-        path = folder / "run.nc"
-        if not path.is_file():
-            raise OutputError(f"{folder}: holds no run: there is no {path.name} in it")
-        try:
-            data = xr.load_dataset(path, engine="h5netcdf")
-            attributes, data.attrs = data.attrs, {}
-            return Run(
-                experiment=load(folder / "experiment.toml"),
-                status=Status(attributes.pop("status")),
-                message=str(attributes.pop("message")),
-                notes=tuple(json.loads(attributes.pop("notes"))),
-                steps=int(attributes.pop("steps")),
-                simulation_wall_s=float(attributes.pop("simulation_wall_s")),
-                versions=json.loads(attributes.pop("versions")),
-                data=data.assign_attrs(thinned=int(attributes.pop("thinned"))),
-            )
-        except (OSError, KeyError, ValueError) as error:
-            raise OutputError(f"{path}: is not a run of this program: {error}") from None
+        return Run(**storing.load(folder))
 
 
 def finite(value: Any) -> Any:

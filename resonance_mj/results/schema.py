@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from ..errors import OutputError
+
 
 class Variable(NamedTuple):
     """A variable of a run's dataset."""
@@ -15,6 +17,8 @@ class Variable(NamedTuple):
     dims: tuple[str, ...]
     units: str
     meaning: str
+    kind: str = "f"
+    """Of its dtype: f floating point, i integer, U text."""
 
 
 SAMPLE, CYCLE, MOTION = ("time",), ("cycle",), ("segment",)
@@ -23,15 +27,15 @@ CYCLE_JOINT, MOTION_JOINT = ("cycle", "joint"), ("segment", "joint")
 
 COORDINATES = {
     "time": Variable(SAMPLE, "s", "time"),
-    "cycle": Variable(CYCLE, "1", "number of the cycle, from 1"),
-    "segment": Variable(MOTION, "1", "number of the motion, from 1"),
-    "joint": Variable(("joint",), "1", "name of the joint"),
-    "slides": Variable(("joint",), "1", "1 for a slide joint"),
-    "axis": Variable(("axis",), "1", "coordinate of the task"),
-    "cycle_of_sample": Variable(SAMPLE, "1", "cycle that a sample belongs to"),
-    "segment_of_sample": Variable(SAMPLE, "1", "motion that a sample belongs to"),
-    "segment_of_cycle": Variable(CYCLE, "1", "motion that a cycle repeats"),
-    "passage": Variable(CYCLE, "1", "1 for a cycle of the passage into a motion"),
+    "cycle": Variable(CYCLE, "1", "number of the cycle, from 1", "i"),
+    "segment": Variable(MOTION, "1", "number of the motion, from 1", "i"),
+    "joint": Variable(("joint",), "1", "name of the joint", "U"),
+    "slides": Variable(("joint",), "1", "1 for a slide joint", "i"),
+    "axis": Variable(("axis",), "1", "coordinate of the task", "U"),
+    "cycle_of_sample": Variable(SAMPLE, "1", "cycle that a sample belongs to", "i"),
+    "segment_of_sample": Variable(SAMPLE, "1", "motion that a sample belongs to", "i"),
+    "segment_of_cycle": Variable(CYCLE, "1", "motion that a cycle repeats", "i"),
+    "passage": Variable(CYCLE, "1", "1 for a cycle of the passage into a motion", "i"),
 }
 
 VARIABLES = {
@@ -70,6 +74,9 @@ VARIABLES = {
 OPTIONAL = ("rotation_rms",)
 """Variables that only runs of a task with rotation have."""
 
+KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
+"""What kinds of dtype are called."""
+
 OF_SLIDES = {"rad": "m", "rad/s": "m/s", "N m": "N", "N m/rad": "N/m"}
 """Units of a hinge joint's variables, and of a slide joint's."""
 
@@ -97,3 +104,24 @@ def dataset(
         {name: entry(name, about) for name, about in COORDINATES.items()},
         {"thinned": int(thinned)},
     )
+
+
+def check(data: xr.Dataset) -> None:
+    """See that a dataset has every variable of a run, and each its dimensions, dtype and unit.
+
+    Raises:
+        OutputError: one is missing or is not as the table says.
+    """
+    for name, wanted in (COORDINATES | VARIABLES).items():
+        found = data.variables.get(name)
+        if found is None:
+            if name not in OPTIONAL:
+                raise OutputError(f"variable {name} is missing")
+            continue
+        if (found.dims, found.dtype.kind) != (wanted.dims, wanted.kind):
+            raise OutputError(
+                f"variable {name} is {found.dtype} over ({', '.join(map(str, found.dims))}); "
+                f"{KINDS[wanted.kind]} over ({', '.join(wanted.dims)}) are needed"
+            )
+        if not isinstance(found.attrs.get("units"), str):
+            raise OutputError(f"variable {name} has no units")

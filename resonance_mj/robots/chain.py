@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from ..errors import RobotError
 
@@ -13,21 +14,29 @@ def joints_to(model: mujoco.MjModel, body: int) -> list[int]:
     """Ids of the joints from the world to a body."""
     joints: list[int] = []
     while body > 0:
-        first = int(model.body_jntadr[body])
-        joints[:0] = range(first, first + int(model.body_jntnum[body]))
+        joints[:0] = _joints_of(model, body)
         body = int(model.body_parentid[body])
     return joints
 
 
-def length(model: mujoco.MjModel, body: int) -> int:
-    """Number of joints that move a body, 0 if one of them can carry no spring."""
-    chain = joints_to(model, body)
-    return 0 if any(not carries_spring(model, j) for j in chain) else len(chain)
+def lengths(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+    """Of each body, how many joints and how many bodies stand between the world and it (nbody,).
+
+    No joints are counted where one of them can carry no spring.
+    """
+    joints, bodies = np.zeros((2, model.nbody), int)
+    sprung = np.ones(model.nbody, bool)
+    for body in range(1, model.nbody):
+        parent, own = int(model.body_parentid[body]), _joints_of(model, body)
+        sprung[body] = sprung[parent] and all(carries_spring(model, j) for j in own)
+        joints[body] = joints[parent] + len(own)
+        bodies[body] = bodies[parent] + 1
+    return joints * sprung, bodies
 
 
-def depth(model: mujoco.MjModel, body: int) -> int:
-    """Number of bodies from the world to a body."""
-    return 0 if body == 0 else 1 + depth(model, int(model.body_parentid[body]))
+def _joints_of(model: mujoco.MjModel, body: int) -> range:
+    first = int(model.body_jntadr[body])
+    return range(first, first + int(model.body_jntnum[body]))
 
 
 def carries_spring(model: mujoco.MjModel, joint: int) -> bool:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from ..text import listed
 from .motors import is_torque_motor
-from .names import listed
 
 
 def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
@@ -31,11 +31,18 @@ def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
             notes.append(f"taken out: {kind} {listed(names)}")
 
 
-def take_springs_off(spec: mujoco.MjSpec, joints: tuple[str, ...], notes: list[str]) -> None:
-    """Take the file's own springs off the arm's joints: the law puts its own there."""
+def take_springs_off(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, joints: tuple[str, ...], notes: list[str]
+) -> None:
+    """Take the file's own springs off the arm's joints: the law puts its own there.
+
+    The damping that MuJoCo derives from `springdamper` in the file's `model` stays.
+    """
     taken = []
     for name in joints:
         joint = spec.joint(name)
+        if np.any(joint.springdamper):
+            joint.damping[0] = model.dof_damping[model.joint(name).dofadr[0]]
         if np.any(joint.stiffness) or joint.springyield > 0 or np.any(joint.springdamper):
             taken.append(name)
         joint.stiffness = [0.0, 0.0, 0.0]

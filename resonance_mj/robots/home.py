@@ -5,41 +5,33 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from .mjcf import Arm
+
 SAMPLES = 3000
 
 
-def find(model: mujoco.MjModel, joint_id: np.ndarray, site: int) -> np.ndarray:
+def find(arm: Arm) -> np.ndarray:
     """Joint angles (n,) [rad or m] away from joint limits, singular poses and contacts.
 
     Of poses drawn with a fixed seed, the one with the best product of the tool Jacobian's smallest
     singular value and the distance to the nearest joint limit, among those without a contact; among
     all where bodies that overlap leave none without.
-
-    Args:
-        model: compiled model in which only the arm moves.
-        joint_id: ids of its joints (n,).
-        site: id of the tool's site.
     """
+    model, data, joint_id = arm.model, arm.at_home, arm.joint_id
     rng = np.random.default_rng(20)
     limited = model.jnt_limited[joint_id].astype(bool)
     slide = model.jnt_type[joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)
     free = np.where(slide, 0.5, np.pi)
     low = np.where(limited, model.jnt_range[joint_id, 0], -free)
     high = np.where(limited, model.jnt_range[joint_id, 1], free)
-    data = mujoco.MjData(model)
-    address, dofs = model.jnt_qposadr[joint_id], model.jnt_dofadr[joint_id]
-    jacobian = np.zeros((6, model.nv))
     best, pose = -1.0, None
     best_touching, touching = -1.0, (low + high) / 2
     for _ in range(SAMPLES):
         share = rng.uniform(0.15, 0.85, len(joint_id))
         q = low + share * (high - low)
-        data.qpos[address] = q
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], site)
+        jacobian = arm.jacobian(q)
         margin = np.where(limited, 2 * np.minimum(share, 1 - share), 1.0).min()
-        score = margin * _conditioning(jacobian[:, dofs])
+        score = margin * _conditioning(jacobian)
         if score > best:
             mujoco.mj_collision(model, data)
             if data.ncon == 0:

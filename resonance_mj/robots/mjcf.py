@@ -1,12 +1,13 @@
 """An author's MJCF becomes an arm: a tool, the joints that move it, and a torque motor on each.
 
 The file is never changed: what the law cannot use is changed or taken out on a copy in memory, and
-each such change is listed.
+each such change is listed. The arm is found in the model as its author wrote it, compiled once; the
+edited copy is compiled by `robot.build`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
@@ -14,12 +15,14 @@ import numpy as np
 
 from .. import library
 from ..errors import RobotError
+from ..files import is_file
+from ..text import listed, shown
 from . import chain, clearing, menagerie, motors, names, poses
 from .compiling import compile_spec, rejected
-from .tool import find_tool
+from .tool import Tool, find_tools
 
 TOOL_SITE = "resonance_mj_tool"
-"""The site that is added where the tool is a body."""
+"""The site that is added where the tool is a body, with underscores behind it if it is taken."""
 
 
 @dataclass
@@ -27,18 +30,43 @@ class Arm:
     """An arm found in an MJCF.
 
     Attributes:
+        path: of the file.
         spec: an editable copy of the file's model with motors and without what moves off the arm.
+        model: the file's model as it is.
+        at_home: its state, with the joints off the arm where they are held.
         joints: names of the joints from the world to the tool.
-        tool: name of the site that follows the motion.
+        joint_id: their ids in `model` (n,).
+        tools: what could follow the motion, first what does.
+        site: name of the site of `spec` that follows it.
+        body: id in `model` of the body that carries it.
+        point: where the site is in that body (3,) [m].
         home: joint angles of the file's keyframe, or None [rad] (n,).
         notes: what was chosen and what was changed, a line each.
     """
 
+    path: Path
     spec: mujoco.MjSpec
+    model: mujoco.MjModel
+    at_home: mujoco.MjData
     joints: tuple[str, ...]
-    tool: str
+    joint_id: np.ndarray
+    tools: tuple[Tool, ...]
+    site: str
+    body: int
+    point: np.ndarray
     home: np.ndarray | None
-    notes: list[str] = field(default_factory=list)
+    notes: list[str]
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """The tool's Jacobian (6, n) in the file's model at joint angles (n,) [m/rad, rad/rad]."""
+        model, data = self.model, self.at_home
+        data.qpos[model.jnt_qposadr[self.joint_id]] = q
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        full = np.zeros((6, model.nv))
+        at = data.xpos[self.body] + data.xmat[self.body].reshape(3, 3) @ self.point
+        mujoco.mj_jac(model, data, full[:3], full[3:], at, self.body)
+        return full[:, model.jnt_dofadr[self.joint_id]]
 
 
 def find(mjcf: str) -> Path:
@@ -49,15 +77,14 @@ def find(mjcf: str) -> Path:
     """
     if mjcf.startswith(menagerie.PREFIX):
         return menagerie.find(mjcf)
-    path = Path(mjcf)
-    if path.is_file():
-        return path
+    if is_file(mjcf):
+        return Path(mjcf)
     built_in = library.robots()
     if mjcf in built_in:
         return built_in[mjcf]
     raise RobotError(
-        f"robot.mjcf = {mjcf!r}: no such file; give the path of an MJCF file or one of "
-        f"{', '.join(built_in)}"
+        f"robot.mjcf = {shown(mjcf)}: no such file; give the path of an MJCF file or one of "
+        f"{listed(built_in)}"
     )
 
 
@@ -79,36 +106,47 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     except ValueError as error:
         raise RobotError(rejected(path, error)) from None
     # Bodies that are fused would lose their names, and the others their numbers; a payload's body
-    # must not be made one with the tool's.
+    # must not be made one with the tool's. Visuals that are dropped leave nothing to film.
     spec.compiler.fusestatic = False
+    spec.compiler.discardvisual = False
     names.name_all(spec.joints, "joint")
     names.name_all(spec.bodies, "body")
     model = compile_spec(spec, path)
     notes: list[str] = []
-    kind, name = find_tool(model, tool, path, notes)
-    body = int(model.site(name).bodyid[0]) if kind == "site" else int(model.body(name).id)
+    tools = find_tools(model, tool, path, notes)
+    site, body = tools[0].name, int(model.body(tools[0].body).id)
     joint_ids = chain.joints_to(model, body)
     if not joint_ids:
-        raise RobotError(f"{path}: no joint moves the tool {name!r}")
-    chain.check(model, joint_ids, path, f"the tool {name!r}")
-    if kind == "body":
-        poses.set_pose(spec.body(name).add_site(name=TOOL_SITE), np.zeros(3), poses.IDENTITY)
-        name = TOOL_SITE
+        raise RobotError(f"{path}: no joint moves the tool {site!r}")
+    chain.check(model, joint_ids, path, f"the tool {site!r}")
+    point = np.zeros(3)
+    if tools[0].kind == "site":
+        point = model.site(site).pos.copy()
+    else:
+        of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
+        poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
     at_home, has_key = _at_home(model, home, path)
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]
     motors.keep_rotors(spec, model, joint_ids)
     clearing.take_out(spec, notes)
-    poses.hold_off_chain(spec, model, at_home, joint_ids, path, notes)
-    clearing.take_springs_off(spec, joints, notes)
+    poses.hold_off_chain(spec, model, at_home, joint_ids, notes)
+    clearing.take_springs_off(spec, model, joints, notes)
     clearing.passive_gravity(spec, notes)
     clearing.switch_on(spec, notes)
     for joint, limit in zip(joints, limits, strict=True):
         motors.add_motor(spec, joint, limit)
     return Arm(
+        path=path,
         spec=spec,
+        model=model,
+        at_home=at_home,
         joints=joints,
-        tool=name,
+        joint_id=np.array(joint_ids),
+        tools=tools,
+        site=site,
+        body=body,
+        point=point,
         home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if has_key else None,
         notes=notes,
     )
@@ -124,8 +162,8 @@ def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoc
         name = "home" if "home" in keys else prefixed[0] if len(prefixed) == 1 else None
     elif name not in keys:
         raise RobotError(
-            f"{path}: robot.home = {name!r}: no such keyframe; its keyframes are: "
-            f"{names.listed(keys)}. Or give the joint angles as a list"
+            f"{path}: robot.home = {shown(name)}: no such keyframe; its keyframes are: "
+            f"{listed(keys)}. Or give the joint angles as a list"
         )
     if name is not None:
         mujoco.mj_resetDataKeyframe(model, data, keys.index(name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from typing import Any
 
 UNNAMED = "unnamed_"
@@ -11,15 +11,15 @@ UNNAMED = "unnamed_"
 
 def name_all(elements: list[Any], kind: str) -> None:
     """Give a name to each element that has none."""
-    taken = {element.name for element in elements}
+    taken = {element.name: element for element in elements}
     for number, element in enumerate(elements, 1):
-        name = element.name or f"{UNNAMED}{kind}{number}"
-        while not element.name and name in taken:
-            name += "_"
-        taken.add(name)
-        element.name = name
+        if not element.name:
+            element.name = free(f"{UNNAMED}{kind}{number}", taken.get)
+            taken[element.name] = element
 
 
-def listed(names: Iterable[str]) -> str:
-    """Names in a row, for a message."""
-    return ", ".join(filter(None, names)) or "none with a name"
+def free(name: str, find: Callable[[str], Any]) -> str:
+    """A name with as many underscores behind it as it takes for `find` to find nothing."""
+    while find(name) is not None:
+        name += "_"
+    return name

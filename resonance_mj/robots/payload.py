@@ -5,26 +5,27 @@ from __future__ import annotations
 import copy
 
 import mujoco
+import numpy as np
+
+from .names import free
 
 BODY = "payload"
 """Name of the body that is the payload, with as many underscores as it takes to be a new one."""
 
 
-def add(spec: mujoco.MjSpec, tool: str, model: mujoco.MjModel) -> str:
+def add(spec: mujoco.MjSpec, tool: str, point: np.ndarray) -> str:
     """Add a body without mass at the tool's site, to be given one by `carrying`.
 
     Args:
         spec: of the robot, changed.
         tool: the site's name.
-        model: compiled from `spec` as it is.
+        point: where the site is in its body (3,) [m].
 
     Returns:
         The body's name.
     """
-    name = BODY
-    while spec.body(name) is not None:
-        name += "_"
-    body = spec.site(tool).parent.add_body(name=name, pos=model.site(tool).pos)
+    name = free(BODY, spec.body)
+    body = spec.site(tool).parent.add_body(name=name, pos=point)
     body.explicitinertial, body.mass, body.ipos = True, 0.0, [0.0, 0.0, 0.0]
     return name
 

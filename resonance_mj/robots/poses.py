@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from .compiling import compile_spec
-from .names import listed
+from ..text import listed
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """The quaternion of no rotation."""
@@ -20,13 +18,13 @@ def hold_off_chain(
     model: mujoco.MjModel,
     at_home: mujoco.MjData,
     chain: list[int],
-    path: Path,
     notes: list[str],
 ) -> None:
     """Fix the joints that do not move the tool, and mocap bodies, where the home pose has them."""
     off = [j for j in range(model.njnt) if j not in chain]
     mocap = np.flatnonzero(model.body_mocapid >= 0)
-    _place(spec, model, at_home, sorted({*model.jnt_bodyid[off].tolist(), *mocap.tolist()}), path)
+    for body in sorted({*model.jnt_bodyid[off].tolist(), *mocap.tolist()}):
+        _place(spec.bodies[body], at_home, body, int(model.body_parentid[body]))
     names = [model.joint(j).name for j in off]
     for name in names:
         spec.delete(spec.joint(name))
@@ -34,27 +32,13 @@ def hold_off_chain(
         notes.append(f"held where the home pose has them: joints {listed(names)}")
 
 
-def _place(
-    spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], path: Path
-) -> None:
-    """Write the poses that bodies have in `data`, relative to their parents, into the spec."""
-    for body in bodies:
-        parent = int(model.body_parentid[body])
-        set_pose(
-            spec.bodies[body],
-            *_relative(data.xpos[parent], data.xquat[parent], data.xpos[body], data.xquat[body]),
-        )
-    framed = [body for body in bodies if spec.bodies[body].frame is not None]
-    if not framed:
-        return
-    # MuJoCo puts the pose of a <frame> before that of a body in it; a body without a pose shows it.
-    poses = {body: (spec.bodies[body].pos.copy(), spec.bodies[body].quat.copy()) for body in framed}
-    for body in framed:
-        set_pose(spec.bodies[body], np.zeros(3), IDENTITY)
-    bare = compile_spec(spec, path)
-    for body, (pos, quat) in poses.items():
-        within = _relative(bare.body_pos[body], bare.body_quat[body], pos, quat)
-        set_pose(spec.bodies[body], *within)
+def _place(element: mujoco.MjsBody, data: mujoco.MjData, body: int, parent: int) -> None:
+    """Write the pose that a body has in `data`, relative to its parent, into the spec."""
+    if element.frame is not None:
+        # MuJoCo puts the pose of a <frame> before that of a body in it.
+        element.set_frame(element.parent.add_frame())
+    at = _relative(data.xpos[parent], data.xquat[parent], data.xpos[body], data.xquat[body])
+    set_pose(element, *at)
 
 
 def _relative(

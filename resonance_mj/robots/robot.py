@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import mujoco
@@ -10,10 +11,11 @@ import numpy as np
 
 from ..errors import ExperimentError, RobotError
 from ..experiments.experiment import Experiment
-from ..laws.memory import Layout
 from . import home as homes
-from . import mjcf, payload
+from . import mjcf, payload, sound
 from .compiling import compile_spec
+from .tool import Tool
+from .warned import heard
 
 AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
 
@@ -48,7 +50,8 @@ class Robot:
         jacobian: of the task's coordinates at home (m, n) [m/rad].
         usual: manipulability sqrt(det J Jᵀ) of the task's Jacobian at home.
         notes: what was chosen and changed when the robot was loaded, a line each.
-        layout: sizes of the controller's block.
+        tools: what could follow the motion, first what does.
+        path: of its file.
     """
 
     model: mujoco.MjModel
@@ -70,7 +73,9 @@ class Robot:
     jacobian: np.ndarray
     usual: float
     notes: tuple[str, ...]
-    layout: Layout
+    tools: tuple[Tool, ...]
+    path: Path
+    _loaded: dict[float, Robot] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def n(self) -> int:
@@ -83,10 +88,13 @@ class Robot:
         return len(self.coordinate)
 
     def carrying(self, mass: float) -> Robot:
-        """The robot with a payload at its tool [kg]; with a model of its own if it ever has one."""
-        if self.payload is None:
+        """The robot with a payload at its tool [kg]: one model for each mass."""
+        if self.payload is None or mass == 0.0:
             return self
-        return replace(self, model=payload.carrying(self.model, self.payload, mass))
+        if mass not in self._loaded:
+            model = payload.carrying(self.model, self.payload, mass)
+            self._loaded[mass] = replace(self, model=model)
+        return self._loaded[mass]
 
     @property
     def slides(self) -> np.ndarray:
@@ -104,11 +112,19 @@ class Robot:
         return self.axes[:-3] if self.rotates else self.axes
 
 
-def build(experiment: Experiment) -> Robot:
+Room = Callable[[int, int, int], int]
+"""Numbers to reserve in `userdata`, of an arm with so many joints, task coordinates and dofs."""
+
+
+def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs: 0) -> Robot:
     """Load an experiment's MJCF and find the arm in it.
 
     The file is not changed: gravity, time step, integrator and room in `userdata` are set on a
-    copy in memory.
+    copy in memory. MuJoCo's warnings are among the robot's notes.
+
+    Args:
+        experiment: names the file, the tool, home and task.
+        room: how much room a controller needs behind the author's own `userdata`.
 
     Raises:
         ExperimentError: a list in the experiment is not as long as the arm or the task needs.
@@ -116,33 +132,30 @@ def build(experiment: Experiment) -> Robot:
             drive; the message names the file and the element.
     """
     given = experiment.robot
-    path = mjcf.find(given.mjcf)
-    arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
-    spec, joints, notes = arm.spec, arm.joints, list(arm.notes)
-    _set_options(spec, experiment)
-    model = compile_spec(spec, path)
-    joint_id = np.array([model.joint(name).id for name in joints])
-    site = int(model.site(arm.tool).id)
-    home = _home(experiment, arm, model, joint_id, site, path, notes)
-    qpos = model.qpos0.copy()
-    qpos[model.jnt_qposadr[joint_id]] = home
-    jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
-    axes = _axes(experiment, jacobian, path, notes)
-    _check_lengths(experiment, joints, axes, path)
+    with heard() as warned:
+        keyframe = given.home if isinstance(given.home, str) else None
+        arm = mjcf.read(given.mjcf, given.tool, keyframe)
+        path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
+        _set_options(spec, experiment)
+        arm.model.opt.disableflags = spec.option.disableflags
+        sound.check_numbers(arm.model, path)
+        home = _home(experiment, arm)
+        axes = _axes(experiment, arm.jacobian(home), path, notes)
+        _check_lengths(experiment, joints, axes, path)
+        n = len(joints)
+        spec.nuserdata = arm.model.nuserdata + room(n, len(axes), n)
+        carries = any(motion.payload > 0 for motion in experiment.motion)
+        load = payload.add(spec, arm.site, arm.point) if carries else None
+        model = compile_spec(spec, path)
+        joint_id = np.array([model.joint(name).id for name in joints])
+        actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
+        site = int(model.site(arm.site).id)
+        qpos = model.qpos0.copy()
+        qpos[model.jnt_qposadr[joint_id]] = home
+        jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
+        sound.check_inertia(inertia, joints, path)
     coordinate = np.array([AXES[axis] for axis in axes])
     J = jacobian[coordinate]
-    layout = Layout(
-        joints=len(joints),
-        coordinates=len(axes),
-        dofs=model.nv,
-        steps=max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion),
-        parameters=len(experiment.law.parameters),
-    )
-    spec.nuserdata = model.nuserdata + layout.size
-    carries = any(motion.payload > 0 for motion in experiment.motion)
-    load = payload.add(spec, arm.tool, model) if carries else None
-    model = compile_spec(spec, path)
-    actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
     return Robot(
         model=model,
         joints=joints,
@@ -162,8 +175,9 @@ def build(experiment: Experiment) -> Robot:
         inertia=inertia,
         jacobian=J,
         usual=float(np.sqrt(max(np.linalg.det(J @ J.T), 0.0))),
-        notes=tuple(notes),
-        layout=layout,
+        notes=(*notes, *(f"MuJoCo warns: {line}" for line in warned)),
+        tools=arm.tools,
+        path=path,
     )
 
 
@@ -247,29 +261,21 @@ def _check_lengths(
             )
 
 
-def _home(
-    experiment: Experiment,
-    arm: mjcf.Arm,
-    model: mujoco.MjModel,
-    joint_id: np.ndarray,
-    site: int,
-    path: Path,
-    notes: list[str],
-) -> np.ndarray:
+def _home(experiment: Experiment, arm: mjcf.Arm) -> np.ndarray:
     given = experiment.robot.home
     if isinstance(given, tuple):
-        if len(given) != len(joint_id):
+        if len(given) != len(arm.joints):
             raise RobotError(
-                f"{path}: robot.home has {len(given)} angles and the arm has {len(joint_id)} "
-                f"joints ({', '.join(arm.joints)})"
+                f"{arm.path}: robot.home has {len(given)} angles and the arm has "
+                f"{len(arm.joints)} joints ({', '.join(arm.joints)})"
             )
         return np.asarray(given, float)
     if arm.home is not None:
         if given is None:
-            notes.append("home: the keyframe 'home'")
+            arm.notes.append("home: the keyframe 'home'")
         return arm.home
-    found = homes.find(model, joint_id, site)
-    notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}")
+    found = homes.find(arm)
+    arm.notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}")
     return found
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from ..errors import RobotError
+from ..text import listed, shown
 from . import chain
-from .names import UNNAMED, listed
+from .names import UNNAMED
 
 USUAL_TOOLS = (
     "attachment_site",
@@ -31,51 +34,85 @@ FINGER_JOINTS = 3
 """Most joints of a gripper's finger."""
 
 
-def find_tool(
+@dataclass(frozen=True)
+class Tool:
+    """What follows the motion, or could: it hangs on the last joint of the arm.
+
+    Attributes:
+        name: in the file.
+        kind: site or body.
+        body: the body that carries a site; the body itself.
+    """
+
+    name: str
+    kind: str
+    body: str
+
+
+def find_tools(
     model: mujoco.MjModel, given: str | None, path: Path, notes: list[str]
-) -> tuple[str, str]:
-    """Whether the tool is a site or a body, and its name."""
-    sites = [model.site(i).name for i in range(model.nsite)]
-    bodies = [model.body(i).name for i in range(1, model.nbody)]
-    if given is not None:
-        if given in sites:
-            return "site", given
-        if given in bodies:
-            return "body", given
+) -> tuple[Tool, ...]:
+    """What could be the tool, first what is."""
+    ends = _ends(model)
+    sites = [model.site(i) for i in range(model.nsite)]
+    tools = [Tool(site.name, "site", model.body(int(site.bodyid[0])).name) for site in sites]
+    tools += [Tool(name, "body", name) for name in _names_of_bodies(model)]
+    at_end = [tool for tool in tools if tool.name and model.body(tool.body).id in ends]
+    chosen = (
+        _found(model, at_end, path, notes)
+        if given is None
+        else next((tool for tool in tools if tool.name == given), None)
+    )
+    if chosen is None:
         raise RobotError(
-            f"{path}: robot.tool = {given!r}: no such site or body; its sites are: "
-            f"{listed(sites)}; its bodies: {listed(bodies)}"
+            f"{path}: robot.tool = {shown(given)}: no such site or body; its sites are: "
+            f"{listed(site.name for site in sites)}; its bodies: {listed(_names_of_bodies(model))}"
         )
-    cloth = set(model.flex_vertbodyid.tolist())
-    lengths = [chain.length(model, body) * (body not in cloth) for body in range(model.nbody)]
-    longest = max(lengths)
-    if longest == 0:
+    others = [tool for tool in at_end if not tool.name.startswith(UNNAMED)]
+    return tuple(dict.fromkeys((chosen, *others)))
+
+
+def _found(model: mujoco.MjModel, at_end: list[Tool], path: Path, notes: list[str]) -> Tool:
+    """The tool by its usual name, else the deepest body."""
+    if not at_end:
         for j in range(model.njnt):
             if chain.carries_spring(model, j):
                 chain.check(model, chain.joints_to(model, int(model.jnt_bodyid[j])), path)
         raise RobotError(
             f"{path}: no hinge or slide joint moves anything in it; an arm needs at least one"
         )
-    # A usual name on the base or on another arm is not the tool: it must be moved by all joints of
-    # the arm, which are those of the longest chain without a gripper's.
-    longest -= _fingers(model, lengths.index(longest))
-    at_end = {body for body in range(model.nbody) if lengths[body] == longest}
     for name in USUAL_TOOLS:
-        if name in sites and int(model.site(name).bodyid[0]) in at_end:
-            notes.append(f"tool: site {name!r}, found by its usual name")
-            return "site", name
-        if name in bodies and int(model.body(name).id) in at_end:
-            notes.append(f"tool: body {name!r}, found by its usual name")
-            return "body", name
-    depth = [chain.depth(model, body) for body in range(model.nbody)]
+        for tool in at_end:
+            if tool.name == name:
+                notes.append(f"tool: {tool.kind} {name!r}, found by its usual name")
+                return tool
+    depth = chain.lengths(model)[1]
     best = max(
-        sorted(at_end),
-        key=lambda body: (not model.body(body).name.startswith(UNNAMED), depth[body]),
+        (tool for tool in at_end if tool.kind == "body"),
+        key=lambda tool: (not tool.name.startswith(UNNAMED), depth[model.body(tool.name).id]),
     )
-    notes.append(
-        f"tool: body {model.body(best).name!r}, the deepest of the longest chain of joints"
-    )
-    return "body", model.body(best).name
+    notes.append(f"tool: body {best.name!r}, the deepest of the longest chain of joints")
+    return best
+
+
+def _names_of_bodies(model: mujoco.MjModel) -> list[str]:
+    return [model.body(i).name for i in range(1, model.nbody)]
+
+
+def _ends(model: mujoco.MjModel) -> set[int]:
+    """Bodies that all joints of the arm move; none without an arm.
+
+    A usual name on the base or on another arm is not the tool: the arm's joints are those of the
+    longest chain without a gripper's.
+    """
+    lengths, _ = chain.lengths(model)
+    cloth = model.flex_vertbodyid
+    lengths[cloth[cloth >= 0]] = 0
+    longest = int(lengths.max())
+    if longest == 0:
+        return set()
+    longest -= _fingers(model, int(lengths.argmax()))
+    return set(np.flatnonzero(lengths == longest).tolist())
 
 
 def _fingers(model: mujoco.MjModel, tip: int) -> int:

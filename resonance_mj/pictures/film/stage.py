@@ -59,7 +59,7 @@ def prepare(
         _add_tube(spec, PREFIX + name, rings)
     # Each process that draws has the buffer in memory, several times: it is no larger than needed.
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size
-    return compile_spec(spec, path), arm.tool
+    return compile_spec(spec, path), arm.site
 
 
 def lowest(model: mujoco.MjModel, shot: Shot) -> float:

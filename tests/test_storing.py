@@ -1,0 +1,251 @@
+"""Runs as files: whole or not at all, refused in one line where they are not as they were saved."""
+
+import io
+import json
+import random
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from test_simulation import assert_equal_to_the_last_bit, short
+
+import resonance_mj as rmj
+from resonance_mj import files
+from resonance_mj.results import storing
+
+NAMES = ["experiment.toml", "run.nc", "summary.json"]
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.fixture(scope="module")
+def run():
+    paper = rmj.load("paper")
+    return rmj.simulate(paper.replace({"motion.0.duration": 2.0, "motion.1.duration": 2.0}))
+
+
+@pytest.fixture(scope="module")
+def other(run):
+    return rmj.simulate(run.experiment.replace({"law.beta": 5.0}))
+
+
+def test_saved_run_is_loaded_as_it_was(run, tmp_path):
+    loaded = rmj.Run.load(run.save(tmp_path / "deep" / "folder"))
+    assert_equal_to_the_last_bit(loaded, run)
+    assert (loaded.versions, loaded.notes) == (run.versions, run.notes)
+    assert loaded.summary() == run.summary()
+    assert json.loads((tmp_path / "deep/folder/summary.json").read_text()) == run.summary()
+    assert rmj.load(tmp_path / "deep/folder/experiment.toml") == run.experiment
+
+
+@pytest.mark.parametrize("k_v", [2000.0, 1e9])
+def test_diverged_run_is_saved_and_loaded_like_any_other(k_v, tmp_path):
+    """Of a part of the first cycle, and of no time step at all."""
+    run = rmj.simulate(short({"law.k_v": k_v}))
+    assert run.data.sizes["cycle"] == 0
+    loaded = rmj.Run.load(run.save(tmp_path / "run"))
+    assert_equal_to_the_last_bit(loaded, run)
+    assert loaded.summary() == run.summary()
+
+
+def test_any_reader_of_netcdf_finds_variables_with_units_and_what_was_run(run, tmp_path):
+    with xr.open_dataset(run.save(tmp_path) / "run.nc", engine="h5netcdf") as found:
+        assert set(found.variables) == set(run.data.variables)
+        assert all(found[name].attrs["units"] for name in found.variables)
+        assert found.attrs["status"] == "ok"
+        assert 'kind = "paper"' in found.attrs["experiment"]
+
+
+def strict(text):
+    def refused(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    return json.loads(text, parse_constant=refused)
+
+
+def test_summary_is_json_where_numbers_are_not_finite(run, tmp_path):
+    data = run.data.assign(tracking_rms=run.data["tracking_rms"] * np.nan)
+    data["torque_squared"][:] = np.inf
+    run.__class__(run.experiment, run.status, "", data, run.steps, np.nan).save(tmp_path)
+    summary = strict((tmp_path / "summary.json").read_text())
+    assert summary["simulation_wall_s"] is None
+    assert summary["segments"][0]["tracking_rms"] is None
+
+
+# A run is saved whole, or not at all
+
+
+def test_a_save_that_is_interrupted_between_its_files_leaves_the_run_before(run, other, tmp_path):
+    run.save(tmp_path)
+    replaced = []
+
+    class Interrupted(type(Path())):
+        def replace(self, target):
+            if len(replaced) == 2:
+                raise KeyboardInterrupt
+            replaced.append(target)
+            return super().replace(target)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(files, "Path", Interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            other.save(tmp_path)
+    assert len(replaced) == 2
+    assert_equal_to_the_last_bit(rmj.Run.load(tmp_path), run)
+    assert names(tmp_path) == NAMES
+
+
+def test_runs_saved_into_one_folder_at_once_leave_one_of_them_whole(run, other, tmp_path):
+    failed = []
+
+    def save(one):
+        try:
+            for _ in range(3):
+                one.save(tmp_path)
+                found = rmj.Run.load(tmp_path)
+                whole = run if found.experiment == run.experiment else other
+                assert found.data.identical(whole.data)
+        except BaseException as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=save, args=[one]) for one in (run, other, run, other)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failed == []
+    assert names(tmp_path) == NAMES
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary == rmj.Run.load(tmp_path).summary()
+    assert rmj.load(tmp_path / "experiment.toml") == rmj.Run.load(tmp_path).experiment
+
+
+KILLED = """
+import os, signal, sys
+from resonance_mj import files
+class Path(type(files.Path())):
+    def replace(self, target):
+        os.kill(os.getpid(), signal.SIGKILL)
+files.Path = Path
+files.write(sys.argv[1], {"run.nc": b"half"})
+"""
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_save(run, tmp_path):
+    process = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
+    assert process.returncode == -signal.SIGKILL
+    assert len(names(tmp_path)) == 1
+    run.save(tmp_path)
+    assert names(tmp_path) == NAMES
+
+
+# What is read is what was saved, or refused in one line
+
+
+@pytest.fixture(scope="module")
+def saved(run, tmp_path_factory):
+    return run.save(tmp_path_factory.mktemp("saved"))
+
+
+def refusal(folder, capfd):
+    """The one line with which a folder is refused; nothing else is said."""
+    with pytest.raises(rmj.errors.OutputError) as caught:
+        rmj.Run.load(folder)
+    line = str(caught.value)
+    assert line.startswith(f"{folder / 'run.nc'}: ")
+    assert line.isprintable()
+    assert len(line) < 500 + len(str(folder))
+    assert capfd.readouterr() == ("", "")
+    return line
+
+
+def test_a_file_that_is_cut_off_or_has_a_changed_byte_is_refused(saved, tmp_path, capfd):
+    whole = (saved / "run.nc").read_bytes()
+    chance = random.Random(0)
+    for _ in range(100):
+        at = chance.randrange(len(whole))
+        (tmp_path / "run.nc").write_bytes(whole[:at])
+        assert "is cut off" in refusal(tmp_path, capfd)
+        flipped = bytearray(whole)
+        flipped[at] ^= 1 << chance.randrange(8)
+        (tmp_path / "run.nc").write_bytes(flipped)
+        assert "damaged, or was changed" in refusal(tmp_path, capfd) or at >= len(whole) - 130
+
+
+def group(file, name):
+    del file[name]
+    file.create_group(name)
+
+
+def put(file, name, **about):
+    del file[name]
+    file.create_dataset(name, **about)
+
+
+def attribute(file, name, key, value):
+    (file[name] if name else file).attrs[key] = value
+
+
+def link(file, name, to):
+    del file[name]
+    file[name] = to
+
+
+TEXT = [b"x", 5, -1, [1.0, 2.0], np.inf, "", "[]", "{}", "null", "x" * 100_000, h5py.Empty("f")]
+CHANGES = [
+    lambda file, name, chance: file.__delitem__(name),
+    lambda file, name, chance: group(file, name),
+    lambda file, name, chance: put(file, name, shape=(10**12,), chunks=(1000,), dtype="f8"),
+    lambda file, name, chance: put(file, name, shape=(10**9, 10**6), dtype="f8"),
+    lambda file, name, chance: put(
+        file, name, shape=(10**8,), dtype="f8", chunks=(10**6,), compression="gzip"
+    ),
+    lambda file, name, chance: put(file, name, data=chance.choice([1.0, [1], ["a"], [[1.0]]])),
+    lambda file, name, chance: put(file, name, data=np.zeros(3, chance.choice(["f4", "?", "V3"]))),
+    lambda file, name, chance: put(
+        file, name, shape=(9,), dtype="f8", external=[("/etc/passwd", 0, 72)]
+    ),
+    lambda file, name, chance: link(file, name, h5py.ExternalLink("/etc/passwd", "/x")),
+    lambda file, name, chance: link(file, name, h5py.SoftLink("/nowhere")),
+    lambda file, name, chance: link(file, name, h5py.SoftLink("/time")),
+    lambda file, name, chance: attribute(
+        file, name, chance.choice(["units", "scale_factor", "coordinates", "_FillValue"]),
+        chance.choice(TEXT),
+    ),
+    lambda file, name, chance: attribute(
+        file, "", chance.choice([*storing._About.model_fields]), chance.choice(TEXT)
+    ),
+    lambda file, name, chance: file.attrs.pop(chance.choice([*storing._About.model_fields])),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("sealed", [False, True], ids=["changed", "made to look whole"])
+def test_a_changed_file_is_refused_before_any_memory_is_asked_for(saved, sealed, tmp_path, capfd):
+    """Two hundred files of one change each; with the digest made anew, what it says must fit."""
+    whole = (saved / "run.nc").read_bytes()
+    before, chance = rmj.Run.load(saved), random.Random(1)
+    for number in range(200):
+        content = io.BytesIO(whole[: -len(storing._seal(b""))])
+        with h5py.File(content, "r+") as file:
+            name = chance.choice([*file])
+            CHANGES[number % len(CHANGES)](file, name, chance)
+        end = storing._seal(content.getvalue()) if sealed else whole[-len(storing._seal(b"")) :]
+        (tmp_path / "run.nc").write_bytes(content.getvalue() + end)
+        try:
+            same = rmj.Run.load(tmp_path)
+        except rmj.errors.OutputError:
+            refusal(tmp_path, capfd)
+        else:
+            assert sealed
+            assert capfd.readouterr() == ("", "")
+            same.summary()
+            for name in before.data.variables:
+                assert same.data[name].dims == before.data[name].dims
