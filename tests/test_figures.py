@@ -324,7 +324,6 @@ def test_captions_and_titles_are_there_for_every_figure():
     for entry in catalogue.FIGURES:
         assert len(entry.title) > 10
         assert entry.caption.endswith(".")
-    assert len({entry.stem for entry in catalogue.FIGURES}) == len(catalogue.FIGURES)
 
 
 @pytest.mark.parametrize(("width", "wide"), [("column", 3.5), ("page", 7.16), ("5.2", 5.2)])

@@ -33,7 +33,7 @@ class Entry:
         caption: what is shown and how to read it.
         needs: what each run must have: `SAMPLES`, `CYCLE` or `RECORDED_CYCLE`.
         several: whether it draws several runs in one figure; if not, it draws one.
-        file: stem of the files that it is saved as; `name` if empty.
+        stem: of the files that it is saved as; `name` if empty.
     """
 
     name: str
@@ -41,12 +41,7 @@ class Entry:
     caption: str
     needs: str
     several: bool = False
-    file: str = ""
-
-    @property
-    def stem(self) -> str:
-        """Name of the files that it is saved as, without their suffix."""
-        return self.file or self.name
+    stem: str = ""
 
     def lacks(self, runs: Sequence[Run]) -> str:
         """Why it cannot be drawn of some runs, in words; empty if it can."""
@@ -91,7 +86,7 @@ FIGURES = (
         "offset torque with their optimum, motor torque with the optimum's, and torque² per cycle. "
         "Grey bands leave out cycles in which little happens.",
         needs=SAMPLES,
-        file="figure",
+        stem="figure",
     ),
     Entry(
         name="cycles",

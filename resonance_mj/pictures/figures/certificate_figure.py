@@ -48,7 +48,10 @@ def figure(found: Certificates, width: float = PAGE) -> Figure:
                 ax.text(0.5, 0.5, item.note, color=NOTE, ha="center", transform=ax.transAxes)
             else:
                 draw(ax, item, found)
-                _finish(ax, item)
+                counted(ax)
+                ax.set_xlim(item.cycles[0] - 1, item.cycles[-1] + 1)
+                if ax.get_legend_handles_labels()[0]:
+                    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=8)
     return sheet.figure
 
 
@@ -101,19 +104,3 @@ def _mark(ax: Axes, item: Certificate, values: np.ndarray, label: str) -> None:
     if item.fails.any():
         at = item.cycles[item.fails], values[item.fails]
         ax.plot(*at, "o", ms=3.5, color=OPTIMAL, label=label)
-
-
-def _finish(ax: Axes, item: Certificate) -> None:
-    counted(ax)
-    ax.set_xlim(item.cycles[0] - 1, item.cycles[-1] + 1)
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(
-            loc="lower left",
-            bbox_to_anchor=(0.0, 1.0),
-            ncols=8,
-            borderaxespad=0.1,
-            borderpad=0.1,
-            handlelength=1.5,
-            handletextpad=0.5,
-            columnspacing=1.0,
-        )

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from ...evaluation.comparison.comparison import Comparison
-from ...results.run import Run, Status
+from ...results.run import Run
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycle_axis
 from .sheet import Row, Sheet
@@ -85,9 +85,7 @@ def _long_runs(ax: Axes, long: Mapping[str, Run]) -> None:
     """Torque² of the last motion, repeated, as a multiple of the optimum's."""
     for name, run in long.items():
         values = cycle_axis.ratio(run)[run.data["segment_of_cycle"] == run.motions[-1].number]
-        ax.plot(np.arange(1, len(values) + 1), values, **LINES[name])
-        if run.status is Status.DIVERGED and len(values):
-            ax.plot(len(values), values[-1], "x", color=LINES[name]["color"], ms=6, mew=1.5)
+        cycle_axis.curve(ax, run, values, np.arange(1, len(values) + 1), **LINES[name])
     ax.axhline(1.0, color=DESIRED, linewidth=0.6)
     ax.set_xscale("log")
     ax.set_xlim(left=1)
@@ -111,6 +109,4 @@ def _legend(drawn: Figure, comparison: Comparison, left: float) -> None:
         alignment="left",
         handlelength=3.0,
         labelspacing=0.8,
-        borderaxespad=0.0,
-        borderpad=0.0,
     )

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ...results.metrics import OPTIMUM_BAND
 from ...results.run import Run, Status
 from ...text import told_apart
-from ..palette import MUTED, SERIES
+from ..palette import SERIES
 from . import cycle_axis
 from .sheet import Row, Sheet
 from .style import BAND, LINES, Line
@@ -83,7 +83,3 @@ def _changes(ax: Axes, runs: Sequence[Run]) -> None:
         return
     ax.set_xlim(0.5, max(run.data.sizes["cycle"] for run in runs) + 0.5)
     counted(ax)
-    for run in runs:
-        for motion in run.motions[1:]:
-            if motion.cycles.size:
-                ax.axvline(motion.cycles[0] - 0.5, color=MUTED, linewidth=0.5)

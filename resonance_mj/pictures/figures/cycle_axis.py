@@ -46,9 +46,11 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
     counted(ax)
 
 
-def curve(ax: Axes, run: Run, values: np.ndarray, **style: Any) -> None:
+def curve(
+    ax: Axes, run: Run, values: np.ndarray, cycles: np.ndarray | None = None, **style: Any
+) -> None:
     """Draw a value of each whole cycle (cycles,); a cross marks where the run diverged."""
-    cycles = run.data["cycle"].values
+    cycles = run.data["cycle"].values if cycles is None else cycles
     (line,) = ax.plot(cycles, values, **{"marker": ".", "ms": 3.5, **style})
     if run.status is Status.DIVERGED:
         ax.plot(cycles[-1:], values[-1:], "x", color=line.get_color(), ms=6, mew=1.5)

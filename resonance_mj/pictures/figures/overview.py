@@ -25,6 +25,9 @@ TITLES = {
 }
 """Wordings from long to short."""
 
+BESIDE = {"x": ("x_desired", "desired"), "tau": ("tau_optimal", "with optimal springs")}
+"""What is drawn beside a signal, and as which line."""
+
 SIDE_BY_SIDE = 1.5
 """Width below which panels are not drawn three in a row [in]."""
 
@@ -53,7 +56,7 @@ def draw(run: Run, width: float) -> Figure:
         if name in ("stiffness", "offset"):
             _against_optimum(ax, run, name, i)
         else:
-            beside, line = ("x_desired", "desired") if name == "x" else _OPTIMAL
+            beside, line = BESIDE[name]
             windows.plot(ax, data[name].values[:, i], **LINES["measured"])
             windows.plot(ax, data[beside].values[:, i], **LINES[line])
             windows.label(ax)
@@ -65,9 +68,6 @@ def draw(run: Run, width: float) -> Figure:
     ax = sheet.panel(len(rows) - 1, 0, cycle_axis.torque_squared_title(run), span=columns)
     cycle_axis.torque_squared(ax, run)
     return sheet.figure
-
-
-_OPTIMAL = "tau_optimal", "with optimal springs"
 
 
 def _places(

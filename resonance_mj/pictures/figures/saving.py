@@ -13,6 +13,9 @@ from ...files import replacing
 from .sizes import DPI, FORMATS
 from .style import styled
 
+MOST_PIXELS = 65000
+"""Along a side of a PNG; matplotlib draws no more than 65 535."""
+
 
 @styled()
 def save(
@@ -29,7 +32,7 @@ def save(
         folder: that exists.
         name: of the files, without their suffix.
         formats: any of svg, png and pdf.
-        dpi: pixels per inch of a PNG.
+        dpi: pixels per inch of a PNG; fewer where it would have more than matplotlib draws.
 
     Returns:
         The files, in the order of `formats`.
@@ -37,8 +40,8 @@ def save(
     Raises:
         OutputError: a file cannot be written.
     """
-    paths = [folder / f"{name}.{kind}" for kind in formats]
-    for kind, path in zip(formats, paths, strict=True):
+    paths = {kind: folder / f"{name}.{kind}" for kind in formats}
+    for kind, path in paths.items():
         # Each canvas is told to print itself: Figure.savefig draws everything twice.
         with replacing(path) as beside:
             if kind == "svg":
@@ -48,6 +51,6 @@ def save(
 
                 FigureCanvasPdf(drawn).print_pdf(beside, metadata={"CreationDate": None})
             else:
-                drawn.set_dpi(dpi)
+                drawn.set_dpi(min(dpi, MOST_PIXELS / max(drawn.get_size_inches())))
                 FigureCanvasAgg(drawn).print_png(beside, pil_kwargs={"compress_level": 6})
-    return paths
+    return list(paths.values())

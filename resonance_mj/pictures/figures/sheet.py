@@ -19,16 +19,13 @@ from matplotlib.lines import Line2D
 from ...results.run import Run
 from ..palette import NOTE
 from .measuring import fitting, width_of, wrapped
-from .style import FONT, HEADING, SMALL, Line
+from .style import FONT, GAP, HANDLE, HEADING, SMALL, Line
 
 EDGE, RIGHT = 0.08, 0.12
 """Above the heading, and right of the panels [in]."""
 
 TITLE = 0.2
 """Above a panel, for its title [in]."""
-
-HANDLE, GAP = 1.8, 1.4
-"""Length of a legend's line, and space between its columns, in font sizes."""
 
 
 class Row(NamedTuple):
@@ -94,11 +91,6 @@ class Sheet:
                 loc="upper left",
                 bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * small) / height),
                 ncols=len(row),
-                borderaxespad=0,
-                borderpad=0,
-                handlelength=HANDLE,
-                handletextpad=0.5,
-                columnspacing=GAP,
             )
 
     def panel(

@@ -14,6 +14,9 @@ from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL
 FONT, SMALL, HEADING = 8.0, 7.0, 9.0
 """Sizes of titles and labels, of numbers at the axes and remarks, and of the heading [pt]."""
 
+HANDLE, GAP = 1.8, 1.4
+"""Length of a legend's line, and space between its columns, in font sizes."""
+
 LABEL_BOX = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 1}
 """Behind words that stand on lines."""
 
@@ -48,6 +51,11 @@ STYLE: Any = {
     "lines.linewidth": 1.0,
     "legend.frameon": False,
     "legend.fontsize": SMALL,
+    "legend.borderaxespad": 0.0,
+    "legend.borderpad": 0.0,
+    "legend.handlelength": HANDLE,
+    "legend.handletextpad": 0.5,
+    "legend.columnspacing": GAP,
     "svg.fonttype": "none",
     "svg.hashsalt": "resonance-mj",  # the same figure gives the same file
     "pdf.fonttype": 42,  # TrueType, embedded: journals refuse matplotlib's Type 3

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ...results.run import Run
+from ..spans import spans
 from .measuring import width_of
 from .style import SMALL
 from .ticks import breadth
@@ -24,19 +25,8 @@ class Windows:
 
     def __init__(self, run: Run) -> None:
         self._time = run.data["time"].values
-        last = min(float(self._time[-1] + np.diff(self._time[-2:]).sum()), run.motions[-1].end)
-        reached = [motion for motion in run.motions if motion.start < last] or run.motions[:1]
-        wanted = [(motion.start, motion.start + 2 * motion.period) for motion in reached]
-        ends = [*(motion.start for motion in reached[1:]), last]
-        wanted += [
-            (end - 2 * motion.period, end) for motion, end in zip(reached, ends, strict=True)
-        ]
-        self._spans: list[tuple[float, float]] = []
-        for low, high in sorted((max(low, 0.0), min(high, last)) for low, high in wanted):
-            if self._spans and low <= self._spans[-1][1]:
-                low, before = self._spans.pop()
-                high = max(high, before)
-            self._spans.append((low, high))
+        step = float(np.diff(self._time[-2:]).sum())
+        self._spans = spans(run, float(self._time[-1]) + step)
         self._gap = 0.06 * max(sum(high - low for low, high in self._spans), 1e-9)
         widths = [high - low + self._gap for low, high in self._spans]
         self._left = np.concatenate([[0.0], np.cumsum(widths)])

@@ -3,19 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from ...results.run import Run
 from ...text import flat, joined, percent, shown
 from .content import Content
-
-
-class Difference(NamedTuple):
-    """A key of the experiments that has not the same value in all of them."""
-
-    key: str
-    values: tuple[str, ...]
-    """Of each run; empty where the key is not given."""
 
 
 def best(contents: Sequence[Content]) -> str:
@@ -33,12 +24,16 @@ def best(contents: Sequence[Content]) -> str:
     return f"The greatest reduction of motor torque² against no springs: {said}."
 
 
-def differences(runs: Sequence[Run]) -> list[Difference]:
-    """The keys in which the experiments differ, besides their names and what is expected."""
+def differences(runs: Sequence[Run]) -> dict[str, list[str]]:
+    """The keys in which the experiments differ, besides their names and what is expected.
+
+    Returns:
+        By key the value in each run; empty where the key is not given.
+    """
     tables = [flat(run.experiment.model_dump()) for run in runs]
     keys = dict.fromkeys(key for table in tables for key in table)
-    rows = [Difference(key, tuple(_text(table.get(key)) for table in tables)) for key in keys]
-    return [row for row in rows if len(set(row.values)) > 1]
+    rows = {key: [_text(table.get(key)) for table in tables] for key in keys}
+    return {key: values for key, values in rows.items() if len(set(values)) > 1}
 
 
 def _text(value: object) -> str:

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ... import library
 from ...errors import ExperimentError
-from ...evaluation.checks import cases, convergence
-from ...evaluation.checks.check import judge
+from ...evaluation.checks import cases
+from ...evaluation.checks.check import Judgement, judge
 from ...experiments.expectations import Expect
 from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run
@@ -57,17 +57,6 @@ class Motion:
         return str(self.last["cycles_to_optimum"] or "never")
 
 
-class Verdict(NamedTuple):
-    """What was expected of a figure, and what was found."""
-
-    motion: int
-    figure: str
-    expected: str
-    tolerance: str
-    found: str
-    passed: bool
-
-
 @dataclass(frozen=True)
 class Content:
     """What a report says of a run; `parts` of the page are filled from it.
@@ -89,7 +78,7 @@ class Content:
     anchor: str
     folder: str
     motions: tuple[Motion, ...]
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[Judgement, ...]
     notes: tuple[str, ...]
     facts: tuple[tuple[str, str], ...]
     files: tuple[str, ...]
@@ -114,16 +103,15 @@ class Content:
             said = f"The run {run.status} after {whole} whole cycles of {wanted}. "
         if not done:
             return said + "It has no whole cycle to measure."
-        where = [f" in motion {each.number}" * (len(self.motions) > 1) for each in done]
-        if len(done) > 3:
-            done, where = [done[0], done[-1]], [" in the first motion", " in the last"]
-        needed = []
-        for each, place in zip(done, where, strict=True):
+        done = [done[0], done[-1]] if len(done) > 3 else done
+        needed, best = [], []
+        for each in done:
             much, kind = each.against
+            where = f" in motion {each.number}" * (len(self.motions) > 1)
             needed.append(
-                (f"{much} {kind} torque²" if kind else "torque where none is due") + place
+                (f"{much} {kind} torque²" if kind else "torque where none is due") + where
             )
-        best = [percent(each.last["torque_reduction_optimal"]) for each in done]
+            best.append(percent(each.last["torque_reduction_optimal"]) if kind else "nothing")
         error = [length(each.last["tracking_rms"]) for each in done]
         return (
             f"{said}Compared with no springs, the motors end up needing {joined(needed)}; the best "
@@ -141,12 +129,12 @@ def content(run: Run, label: str, anchor: str, folder: Path | None) -> Content:
         anchor: begins the ids of its part of the page.
         folder: where it was read from, if it was.
     """
-    verdicts: tuple[Verdict, ...] = ()
+    verdicts: tuple[Judgement, ...] = ()
     notes = run.notes
     if run.experiment.expect != Expect():
         try:
             cases.fit(run.experiment, run.data["joint"].values.tolist(), run.experiment.name)
-            verdicts = _verdicts(run)
+            verdicts = tuple(judge(run))
         except ExperimentError as error:
             notes += (f"expectations are not judged: {error}",)
     return Content(
@@ -172,20 +160,6 @@ def _motions(run: Run) -> Iterator[Motion]:
         about = f"{given.shape}, {given.cycles} cycles of {duration(given.period)}"
         carried = f", payload {given.payload:g} kg" if given.payload else ""
         yield Motion(motion.number, about + carried, given.cycles, last)
-
-
-def _verdicts(run: Run) -> tuple[Verdict, ...]:
-    return tuple(
-        Verdict(
-            one.motion,
-            convergence.figure(one).replace("_", " ").replace("rms", "RMS"),
-            minus(convergence.expected(one.band)),
-            convergence.tolerance(one.band),
-            minus(convergence.number(one.found, one.band)),
-            one.passed,
-        )
-        for one in judge(run)
-    )
 
 
 def _facts(run: Run, folder: Path | None) -> list[tuple[str, str]]:

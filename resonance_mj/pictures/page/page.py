@@ -13,20 +13,16 @@ import jinja2
 from markupsafe import Markup
 
 from ... import text
-from ...results.run import Run, finite
+from ...evaluation.checks import convergence
+from ...results.run import Run, finite, versions
 from ..figures.catalogue import Entry
 from . import drawings
-from .comparing import Difference, best
+from .comparing import best
 from .content import Content
 from .film import Film
 
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the catalogue, as a part of the page."""
-
-    entry: Entry
-    svg: Markup
+Figures = tuple[tuple[Entry, Markup], ...]
+"""Figures of the catalogue, each as a part of the page."""
 
 
 @dataclass(frozen=True)
@@ -41,22 +37,15 @@ class Page:
         differences: between the runs' experiments.
         film: None without.
         film_note: why there is no film, or what it leaves out; empty if nothing is to be said.
-        version: of this program.
     """
 
     title: str
     contents: tuple[Content, ...]
-    figures: tuple[tuple[Figure, ...], ...]
-    shared: tuple[Figure, ...]
-    differences: tuple[Difference, ...]
+    figures: tuple[Figures, ...]
+    shared: Figures
+    differences: dict[str, list[str]]
     film: Film | None
     film_note: str
-    version: str
-
-    @property
-    def headline(self) -> str:
-        """What a comparison comes to, in a sentence."""
-        return best(self.contents)
 
     def html(self) -> str:
         """The page as text."""
@@ -68,7 +57,9 @@ class Page:
             trim_blocks=True,
             lstrip_blocks=True,
         )
+        environment.globals["judged"] = convergence
         environment.filters |= {
+            "minus": text.minus,
             "number": _data(text.number),
             "percent": _data(text.percent),
             "metres": _data(text.length),
@@ -81,12 +72,14 @@ class Page:
             assert environment.loader is not None
             return Markup(environment.loader.get_source(environment, name)[0])
 
-        return environment.get_template("page.html").render(page=self, asset=asset)
+        return environment.get_template("page.html").render(
+            page=self, best=best, asset=asset, version=versions()["resonance-mj"]
+        )
 
 
 def figures(
     entries: Sequence[Entry], runs: Sequence[Run], anchor: str, done: Callable[[], None]
-) -> tuple[Figure, ...]:
+) -> Figures:
     """Draw figures for a page.
 
     Args:
@@ -98,8 +91,7 @@ def figures(
     drawn = []
     for entry in entries:
         figure = entry.draw(runs, drawings.WIDTH)
-        svg = drawings.inline(figure, f"{anchor}-{entry.name}", entry.title)
-        drawn.append(Figure(entry, svg))
+        drawn.append((entry, drawings.inline(figure, f"{anchor}-{entry.name}", entry.title)))
         done()
     return tuple(drawn)
 
@@ -116,10 +108,10 @@ def _data(written: Callable[..., str]) -> Callable[..., Markup]:
     return element
 
 
-def _data_uri(content: str, kind: str) -> str:
-    """A text as an address that holds it."""
-    data = base64.b64encode(_placeless(content).encode()).decode("ascii")
-    return f"data:{kind};base64,{data}"
+def _data_uri(content: str | bytes, kind: str) -> Markup:
+    """A text or a file as an address that holds it."""
+    data = content if isinstance(content, bytes) else _placeless(content).encode()
+    return Markup(f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}")
 
 
 def _placeless(value: Any) -> Any:
