@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...evaluation.certificates.claims import ROUNDING, Certificate, Certificates
-from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL, SERIES
+from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
 from .sheet import Row, Sheet
 from .sizes import PAGE
-from .style import SMALL, styled
+from .style import SMALL, one_of, styled
 from .ticks import counted, even, logarithmic
 
 NARROW = 2.4
@@ -36,6 +36,7 @@ def figure(found: Certificates, width: float = PAGE) -> Figure:
         [Row(1.3, 0.34, 0.34)] * len(rows),
         len(reached),
         heading=f"{found.name}: certificates of the stability proof",
+        legend={name: one_of(joint) for joint, name in enumerate(found.joints)},
         lettered=False,
     )
     for column, items in enumerate(reached):
@@ -57,9 +58,8 @@ def figure(found: Certificates, width: float = PAGE) -> Figure:
 
 def _orthogonality(ax: Axes, item: Certificate, found: Certificates) -> None:
     values = np.maximum(item.values, NOTHING)
-    for joint, name in enumerate(found.joints):
-        colour = SERIES[joint % len(SERIES)]
-        ax.plot(item.cycles, values[:, joint], ".-", ms=3, color=colour, label=name)
+    for joint in range(len(found.joints)):
+        ax.plot(item.cycles, values[:, joint], marker=".", ms=3, **one_of(joint))
     ax.axhline(ROUNDING, color=DESIRED, linestyle="--")
     logarithmic(ax)
     _mark(ax, item, values.max(axis=1), "fails")

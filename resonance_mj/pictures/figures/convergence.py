@@ -11,14 +11,10 @@ from matplotlib.figure import Figure
 from ...results.metrics import OPTIMUM_BAND
 from ...results.run import Run, Status
 from ...text import told_apart
-from ..palette import SERIES
 from . import cycle_axis
 from .sheet import Row, Sheet
-from .style import BAND, LINES, Line
+from .style import BAND, LINES, Line, one_of
 from .ticks import counted, logarithmic
-
-DASHES = ("-", "--", ":", "-.")
-"""Of the first runs, of those whose colours come again, and so on."""
 
 
 def draw(runs: Sequence[Run], width: float) -> Figure:
@@ -28,11 +24,7 @@ def draw(runs: Sequence[Run], width: float) -> Figure:
         runs: with at least one whole cycle each.
         width: of the figure [in].
     """
-    n = len(SERIES)
-    lines: list[Line] = [
-        {"color": SERIES[i % n], "linestyle": DASHES[i // n % len(DASHES)]}
-        for i in range(len(runs))
-    ]
+    lines = [one_of(i) for i in range(len(runs))]
     rows = [Row(1.7), *[Row(1.3)] * len(cycle_axis.errors(runs))]
     legend = dict(zip(_labels(runs), lines, strict=True))
     sheet = Sheet(width, rows, heading=f"Convergence of {len(runs)} runs", legend=legend)

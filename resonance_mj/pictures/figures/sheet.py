@@ -86,8 +86,8 @@ class Sheet:
         )
         for number, row in enumerate(entries):
             self.figure.legend(
-                [Line2D([], [], **legend[name]) for name in row] if legend else [],
-                row,
+                [Line2D([], [], **line) for line in row.values()],
+                list(row),
                 loc="upper left",
                 bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * small) / height),
                 ncols=len(row),
@@ -183,15 +183,16 @@ def _letters() -> Iterator[str]:
     yield from map("".join, product(ascii_lowercase, repeat=2))
 
 
-def _packed(legend: Mapping[str, Line], room: float) -> list[list[str]]:
+def _packed(legend: Mapping[str, Line], room: float) -> list[dict[str, Line]]:
     """The entries of a legend in rows, as many in each as there is room for [in]."""
-    rows: list[list[str]] = []
-    size, used = SMALL / 72, room
-    for label in legend:
-        wide = width_of(label, SMALL) + (HANDLE + 0.5) * size
+    rows: list[dict[str, Line]] = []
+    used, handle, gap = room, (HANDLE + 0.5) * SMALL / 72, GAP * SMALL / 72
+    for label, line in legend.items():
+        shown = fitting(["{}"], SMALL, room - handle, label)
+        wide = width_of(shown, SMALL) + handle
         if used + wide > room:
-            rows.append([])
+            rows.append({})
             used = 0.0
-        rows[-1].append(label)
-        used += wide + GAP * size
+        rows[-1][shown] = line
+        used += wide + gap
     return rows

@@ -9,7 +9,7 @@ from typing import Any
 
 import matplotlib
 
-from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL
+from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL, SERIES
 
 FONT, SMALL, HEADING = 8.0, 7.0, 9.0
 """Sizes of titles and labels, of numbers at the axes and remarks, and of the heading [pt]."""
@@ -70,6 +70,12 @@ LINES: Mapping[str, Line] = {
 """What lines mean in every figure, and how each is drawn."""
 
 _DRAWING = RLock()
+
+
+def one_of(i: int) -> Line:
+    """How the line of one of many joints or runs is drawn: the dashes change when colours recur."""
+    again, colour = divmod(i, len(SERIES))
+    return {"color": SERIES[colour], "linestyle": ("-", "--", ":", "-.")[again % 4]}
 
 
 @contextmanager

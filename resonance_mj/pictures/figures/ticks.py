@@ -54,7 +54,7 @@ def abscissa(ax: Axes) -> None:
 
 def counted(ax: Axes, what: str = "cycle") -> None:
     """An abscissa that counts."""
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True))
+    ax.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10], integer=True, min_n_ticks=1))
     ax.set_xlabel(what)
 
 
