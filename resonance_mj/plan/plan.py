@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .. import library
 from ..callback.foreign import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.experiment import Experiment
@@ -17,9 +18,11 @@ from ..laws.memory import Layout
 from ..motions import default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
+from ..robots import source
 from ..robots.robot import Robot, build
 from ..springs.optimum import Optimum, best_springs
 from . import notes
+from .inputs import Input, gather
 
 Followed = dict[tuple[object, ...], list[JointMotion]]
 """Joint motions by all that they depend on."""
@@ -99,6 +102,15 @@ class Plan:
         """What was found, changed or is doubtful, a line each."""
         before = notes.before(self.loaded, self.joints, self.optima)
         return (*self.robot.notes, *before, *self.unstable)
+
+    @cached_property
+    def inputs(self) -> tuple[Input, ...]:
+        """The files that the experiment depends on, as they are when it is first asked for them.
+
+        A robot that comes with the program is known by its name and the program's version.
+        """
+        built_in = self.robot.path in library.robots().values()
+        return gather(self.experiment, [] if built_in else source.files(self.robot.path))
 
     @property
     def layout(self) -> Layout:

@@ -70,18 +70,18 @@ class Arm:
 
 
 def find(mjcf: str) -> Path:
-    """The MJCF file that a path or a built-in name means.
+    """The MJCF file that a built-in name or a path means; a name means the same in every folder.
 
     Raises:
         RobotError: there is no such file.
     """
     if mjcf.startswith(menagerie.PREFIX):
         return menagerie.find(mjcf)
-    if is_file(mjcf):
-        return Path(mjcf)
     built_in = library.robots()
     if mjcf in built_in:
         return built_in[mjcf]
+    if is_file(mjcf):
+        return Path(mjcf)
     raise RobotError(
         f"robot.mjcf = {shown(mjcf)}: no such file; give the path of an MJCF file or one of "
         f"{listed(built_in)}"
@@ -101,17 +101,9 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
             the message names the file and the element.
     """
     path = find(mjcf)
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise RobotError(rejected(path, error)) from None
-    # Bodies that are fused would lose their names, and the others their numbers; a payload's body
-    # must not be made one with the tool's. Visuals that are dropped leave nothing to film.
-    spec.compiler.fusestatic = False
-    spec.compiler.discardvisual = False
-    names.name_all(spec.joints, "joint")
-    names.name_all(spec.bodies, "body")
-    model = compile_spec(spec, path)
+    # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
+    # that has been compiled copies all of them each time.
+    model, spec = compile_spec(_spec(path, visuals=False), path), _spec(path, visuals=True)
     notes: list[str] = []
     tools = find_tools(model, tool, path, notes)
     site, body = tools[0].name, int(model.body(tools[0].body).id)
@@ -150,6 +142,27 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if has_key else None,
         notes=notes,
     )
+
+
+def _spec(path: Path, *, visuals: bool) -> mujoco.MjSpec:
+    """A file as an editable model, in which every joint and body has a name.
+
+    Args:
+        path: of the file.
+        visuals: whether what is only seen is kept; it is where MuJoCo needs it for inertias.
+    """
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise RobotError(rejected(path, error)) from None
+    # Bodies that are fused would lose their names, and the others their numbers; a payload's body
+    # must not be made one with the tool's.
+    spec.compiler.fusestatic = False
+    needed = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    spec.compiler.discardvisual = not (visuals or needed)
+    names.name_all(spec.joints, "joint")
+    names.name_all(spec.bodies, "body")
+    return spec
 
 
 def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoco.MjData, bool]:

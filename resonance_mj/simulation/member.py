@@ -76,6 +76,7 @@ class Member:
             data=self._recording.dataset(),
             steps=self._steps,
             simulation_wall_s=wall_s,
+            inputs=self.plan.inputs,
             planned=self.plan,
         )
 
