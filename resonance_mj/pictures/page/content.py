@@ -70,7 +70,7 @@ class Content:
         verdicts: on what the experiment expects; empty where it expects nothing.
         notes: what was found, changed or is doubtful; what could not be judged.
         facts: what was run, name and value.
-        files: what the experiment needs besides itself to be run again.
+        files: those of the user's own that the experiment names.
     """
 
     run: Run
@@ -146,7 +146,7 @@ def content(run: Run, label: str, anchor: str, folder: Path | None) -> Content:
         verdicts=verdicts,
         notes=notes,
         facts=tuple(_facts(run, folder)),
-        files=tuple(_files(run)),
+        files=tuple(one.path.name for one in run.inputs if one.key),
     )
 
 
@@ -184,11 +184,3 @@ def _facts(run: Run, folder: Path | None) -> list[tuple[str, str]]:
         made = datetime.fromtimestamp((folder / "run.nc").stat().st_mtime)
         facts.append(("Made", f"{made:%Y-%m-%d %H:%M}"))
     return facts
-
-
-def _files(run: Run) -> list[str]:
-    """Files of the user's own that the experiment names: they are not in the page."""
-    robot, law, motions = run.experiment.robot, run.experiment.law, run.experiment.motion
-    of_ours = robot.mjcf in library.robots() or robot.mjcf.startswith("menagerie:")
-    named = [robot.mjcf] * (not of_ours) + [law.kind] * law.kind.endswith(".py")
-    return list(dict.fromkeys([*named, *(motion.file for motion in motions if motion.file)]))
