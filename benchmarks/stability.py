@@ -19,7 +19,6 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from random_arms import arms as random_arms
@@ -29,7 +28,7 @@ import resonance_mj as rmj
 from resonance_mj.laws.stability import sampled_loop
 from resonance_mj.laws.stability.divergence import POSES, Divergence, divergences
 from resonance_mj.laws.stability.stability import learning_loop
-from resonance_mj.pictures.figures.style import STYLE
+from resonance_mj.pictures.figures.style import styled
 from resonance_mj.pictures.palette import MUTED
 from resonance_mj.plan.plan import plan_for
 
@@ -202,7 +201,7 @@ def table(of: Sequence[Case]) -> Iterator[Sequence[str]]:
 
 def figure(of: Sequence[Case]) -> Figure:
     """|1 - μ| over frequency, and the harmonic that grows fastest over the cycles."""
-    with rc_context(STYLE):
+    with styled():
         fig = Figure(figsize=(9.2, 3.6), layout="constrained")
         over_frequency, over_cycles = fig.subplots(1, 2)
         _multipliers(over_frequency, motion=0, beta=10.0)
