@@ -10,6 +10,7 @@ import numpy as np
 from .. import library
 from ..callback.foreign import refuse_foreign
 from ..errors import StabilityError
+from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
 from ..laws import laws
 from ..laws.gains import Gains, gains
@@ -101,7 +102,8 @@ class Plan:
     def notes(self) -> tuple[str, ...]:
         """What was found, changed or is doubtful, a line each."""
         before = notes.before(self.loaded, self.joints, self.optima)
-        return (*self.robot.notes, *before, *self.unstable)
+        given = without_effect(self.experiment)
+        return (*self.robot.notes, *given, *before, *self.unstable)
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
