@@ -27,7 +27,9 @@ GIVEN = {
 @pytest.mark.parametrize("kind", ["feedback", "learning", "fixed", "joint-space", "paper"])
 def test_what_is_said_to_have_no_effect_has_none_and_the_rest_has(kind, gains):
     """Each key in turn, by whole runs to the last bit."""
-    base = rmj.load("paper").replace({"law": {"kind": kind, **gains}, **SHORT})
+    paper = rmj.load("paper")
+    motion = [paper.motion[0].model_dump() | {"duration": 2.0}]
+    base = paper.replace({"law": {"kind": kind, **gains}, "motion": motion, "expect": {}})
     plain = rmj.simulate(base).data
     wrong = []
     velocity = "difference" if kind in ("paper", "joint-space") else "jacobian"
