@@ -62,17 +62,18 @@ class Member:
         elif cycle + 1 < len(self.plan.schedule):
             self._learn(cycle, signals, springs)
 
-    def run(self, wall_s: float) -> Run:
+    def run(self, wall_s: float, warned: list[str]) -> Run:
         """The run so far.
 
         Args:
             wall_s: wall time of the simulation [s].
+            warned: notes on what MuJoCo warned of meanwhile.
         """
         return Run(
             experiment=self.plan.experiment,
             status=self.status,
             message=self._message,
-            notes=(*self.plan.notes, *self._recording.notes()),
+            notes=(*self.plan.notes, *self._recording.notes(), *warned),
             data=self._recording.dataset(),
             steps=self._steps,
             simulation_wall_s=wall_s,
