@@ -32,7 +32,7 @@ class Arm:
     Attributes:
         path: of the file.
         spec: an editable copy of the file's model with motors and without what moves off the arm.
-        model: the file's model as it is.
+        model: the file's model as it is, what is off the arm welded to it.
         at_home: its state, with the joints off the arm where they are held.
         joints: names of the joints from the world to the tool.
         joint_id: their ids in `model` (n,).
@@ -121,6 +121,7 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
         poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
     at_home, has_key = _at_home(model, home, path)
+    chain.weld_rest(model, joint_ids)
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]
     motors.keep_rotors(spec, model, joint_ids)
