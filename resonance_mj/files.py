@@ -8,7 +8,7 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -157,7 +157,9 @@ def replacing(path: Path) -> Iterator[Path]:
         raise _unwritable(path, error) from None
 
 
-def write(folder: str | os.PathLike[str], files: Mapping[str, bytes]) -> Path:
+def write(
+    folder: str | os.PathLike[str], files: Mapping[str, bytes], replaces: Sequence[str] = ()
+) -> Path:
     """Write files into a folder, which is made if needed: all of them, or none.
 
     They take their places in this order when all are complete, and not among those of another
@@ -165,7 +167,9 @@ def write(folder: str | os.PathLike[str], files: Mapping[str, bytes]) -> Path:
 
     Args:
         folder: where they are written.
-        files: their contents, by name.
+        files: their contents, by path within the folder; a folder in it whose name is taken is left
+            as it is, so that its name must tell its contents.
+        replaces: patterns of names that are removed unless they are among the files.
 
     Raises:
         OutputError: they cannot be written; what was there before is as it was.
@@ -174,12 +178,19 @@ def write(folder: str | os.PathLike[str], files: Mapping[str, bytes]) -> Path:
     try:
         with _staging(folder) as staging:
             for name, content in files.items():
+                (staging / name).parent.mkdir(parents=True, exist_ok=True)
                 (staging / name).write_bytes(content)
-                if (folder / name).is_dir():
+            whole = list(dict.fromkeys(name.partition("/")[0] for name in files))
+            for name in whole:
+                if (staging / name).is_file() and (folder / name).is_dir():
                     raise IsADirectoryError(None, f"{name} is a folder")
             with _locked(folder):
-                for name in files:
-                    (staging / name).replace(folder / name)
+                for name in whole:
+                    if not (staging / name).is_dir() or not (folder / name).is_dir():
+                        (staging / name).replace(folder / name)
+                old = (path for pattern in replaces for path in folder.glob(pattern))
+                for path in (path for path in old if path.name not in whole):
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
     except OSError as error:
         raise _unwritable(folder, error) from None
     return folder

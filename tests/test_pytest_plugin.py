@@ -238,7 +238,7 @@ def test_what_stands_broken_in_the_cache_is_simulated_anew_and_mended(
     (kept,) = tmp_path.iterdir()
     for damage in (
         lambda: (kept / "run.nc").write_bytes(b"half"),
-        lambda: (kept / "experiment.toml").unlink(),
+        lambda: (kept / "run.nc").unlink(),
     ):
         damage()
         before = len(counted)

@@ -3,6 +3,7 @@
 import io
 import json
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,7 +17,9 @@ import xarray as xr
 from test_simulation import assert_equal_to_the_last_bit, short
 
 import resonance_mj as rmj
-from resonance_mj import files
+from resonance_mj import files, library
+from resonance_mj.errors import OutputError
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.results import storing
 
 NAMES = ["experiment.toml", "run.nc", "summary.json"]
@@ -130,7 +133,9 @@ def test_runs_saved_into_one_folder_at_once_leave_one_of_them_whole(run, other, 
 
 KILLED = """
 import os, signal, sys
-from resonance_mj import files
+from resonance_mj import files, library
+from resonance_mj.errors import OutputError
+from resonance_mj.experiments.loading import for_robot
 class Path(type(files.Path())):
     def replace(self, target):
         os.kill(os.getpid(), signal.SIGKILL)
@@ -249,3 +254,76 @@ def test_a_changed_file_is_refused_before_any_memory_is_asked_for(saved, sealed,
             same.summary()
             for name in before.data.variables:
                 assert same.data[name].dims == before.data[name].dims
+
+
+# A folder that is sent to somebody
+
+ARM = (library.robots()["two_link.xml"]).read_text(encoding="utf-8")
+INCLUDING = """<mujoco><include file="parts/arm.xml"/></mujoco>"""
+
+
+@pytest.fixture
+def sent(tmp_path, monkeypatch):
+    """The folder of a run of a user's arm, law and waypoints, moved; and the run."""
+    home, away = tmp_path / "home", tmp_path / "away"
+    (home / "parts").mkdir(parents=True)
+    away.mkdir()
+    monkeypatch.chdir(home)
+    Path("mine.xml").write_text(INCLUDING)
+    Path("parts/arm.xml").write_text(ARM)
+    law = "def learn(u, stiffness, offset, center):\n    return u, stiffness + 1, offset, center\n"
+    Path("mine.py").write_text(law)
+    Path("points.csv").write_text("x,z\n-0.3,0.0\n-0.28,0.03\n-0.32,0.03\n")
+    motion = [{"duration": 3.0, "shape": "csv", "file": "points.csv"}]
+    experiment = for_robot("mine.xml").replace({"motion": motion, "law.kind": "mine.py"})
+    run = rmj.simulate(experiment)
+    run.save("run")
+    shutil.move("run", away / "run")
+    for name in ("mine.xml", "mine.py", "points.csv", "parts/arm.xml"):
+        Path(name).unlink()
+    monkeypatch.chdir(away)
+    return away / "run", run
+
+
+def test_a_folder_that_was_sent_is_opened_judged_and_run_again(sent):
+    folder, run = sent
+    loaded = rmj.Run.load("run")
+    xr.testing.assert_identical(loaded.data, run.data)
+    assert rmj.certify(loaded).items
+    again = rmj.simulate(rmj.load(folder / "experiment.toml"))
+    np.testing.assert_array_equal(again.data["q"], run.data["q"])
+    np.testing.assert_array_equal(again.data["stiffness"], run.data["stiffness"])
+
+
+def test_another_arm_of_that_name_is_not_taken_for_the_one_that_was_run(sent):
+    folder, run = sent
+    Path("mine.xml").write_text(ARM.replace('mass="', 'mass="1'))
+    assert rmj.Run.load("run").plan.robot.inertia[0, 0] == run.plan.robot.inertia[0, 0]
+    (copy,) = folder.glob("inputs-*/parts/arm.xml")
+    copy.write_text(ARM.replace('mass="', 'mass="1'))
+    with pytest.raises(OutputError, match=r"arm\.xml: was changed since the run was saved"):
+        rmj.Run.load("run")
+
+
+def test_opening_a_run_executes_nothing_of_it(sent):
+    folder, _ = sent
+    (law,) = folder.glob("inputs-*/law-mine.py")
+    law.unlink()
+    assert rmj.Run.load("run").status is rmj.Status.OK
+
+
+def test_a_robot_that_changed_before_its_run_was_saved_is_not_kept_as_if_it_were_the_one(tmp_path):
+    arm = tmp_path / "arm.xml"
+    arm.write_text(ARM)
+    run = rmj.simulate(for_robot(str(arm)).replace({"motion.0.duration": 2.0}))
+    arm.write_text(ARM.replace('mass="', 'mass="1'))
+    loaded = rmj.Run.load(run.save(tmp_path / "run"))
+    assert "changed since it was simulated" in loaded.notes[-1]
+    assert not list((tmp_path / "run").glob("inputs-*"))
+
+
+def test_a_run_saved_over_another_leaves_none_of_its_files(sent, run):
+    folder, _ = sent
+    (folder / "figure.png").write_bytes(b"of the run before")
+    run.save(folder)
+    assert names(folder) == NAMES

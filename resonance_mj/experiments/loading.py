@@ -57,8 +57,10 @@ def for_robot(mjcf: str) -> Experiment:
         letter if (letter.isascii() and letter.isalnum()) or letter in "._-" else "-"
         for letter in stem
     )
+    # A file that is here is meant before a robot of that name which comes with the program.
+    meant = str(path.absolute()) if is_file(mjcf) else mjcf
     return validated(
-        Experiment, {"name": name.strip("._-") or "arm", "robot": {"mjcf": mjcf}}, mjcf
+        Experiment, {"name": name.strip("._-") or "arm", "robot": {"mjcf": meant}}, mjcf
     )
 
 

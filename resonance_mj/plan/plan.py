@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .. import library
 from ..callback.foreign import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.experiment import Experiment
@@ -17,9 +18,12 @@ from ..laws.memory import Layout
 from ..motions import default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
+from ..robots import source
 from ..robots.robot import Robot, build
+from ..robots.warned import heard
 from ..springs.optimum import Optimum, best_springs
 from . import notes
+from .inputs import Input, gather
 
 Followed = dict[tuple[object, ...], list[JointMotion]]
 """Joint motions by all that they depend on."""
@@ -97,8 +101,19 @@ class Plan:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What was found, changed or is doubtful, a line each."""
-        before = notes.before(self.loaded, self.joints, self.optima)
-        return (*self.robot.notes, *before, *self.unstable)
+        with heard() as warned:
+            before = notes.before(self.loaded, self.joints, self.optima)
+            found = (*self.robot.notes, *before, *self.unstable)
+        return (*found, *(f"MuJoCo warns: {line}" for line in warned))
+
+    @cached_property
+    def inputs(self) -> tuple[Input, ...]:
+        """The files that the experiment depends on, as they are when it is first asked for them.
+
+        A robot that comes with the program is known by its name and the program's version.
+        """
+        built_in = self.robot.path in library.robots().values()
+        return gather(self.experiment, [] if built_in else source.files(self.robot.path))
 
     @property
     def layout(self) -> Layout:

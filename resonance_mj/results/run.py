@@ -20,6 +20,7 @@ from . import storing
 from .motions import MotionOfRun, motions
 
 if TYPE_CHECKING:
+    from ..plan.inputs import Input
     from ..plan.plan import Plan
 
 
@@ -54,6 +55,7 @@ class Run:
         steps: time steps simulated.
         simulation_wall_s: wall time of the simulation alone [s].
         versions: of the packages that made it.
+        inputs: the files that it depends on: robot, law, waypoints.
         planned: the plan that was simulated; `plan` has that of any run.
     """
 
@@ -65,6 +67,7 @@ class Run:
     simulation_wall_s: float
     notes: tuple[str, ...] = ()
     versions: dict[str, str] = field(default_factory=versions)
+    inputs: tuple[Input, ...] = ()
     planned: Plan | None = field(default=None, repr=False, compare=False)
 
     @cached_property
@@ -109,7 +112,9 @@ class Run:
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Write run.nc, summary.json and experiment.toml into `folder`, which is made if needed.
 
-        Each file is complete before it takes its name.
+        run.nc is the run; a folder inputs-* beside it has copies of the robot's files and of others
+        that the experiment names, so that the folder can be sent, opened and run again elsewhere.
+        All are written, or none.
 
         Raises:
             OutputError: the folder cannot be written.
@@ -118,10 +123,10 @@ class Run:
 
     @staticmethod
     def load(folder: str | os.PathLike[str]) -> Run:
-        """Read what `save` wrote.
+        """Read what `save` wrote. Nothing that the run names is executed.
 
         Raises:
-            OutputError: the folder does not hold a run.
+            OutputError: the folder does not hold a run, or it or one of its inputs is not as saved.
         """
         return Run(**storing.load(folder))
 

@@ -19,6 +19,7 @@ from ..errors import OutputError
 from ..experiments.experiment import Experiment
 from ..experiments.validation import validated
 from ..files import regular, write
+from ..plan.inputs import Input, folder_name
 from ..status import Status
 from . import schema
 
@@ -46,6 +47,7 @@ class _About(BaseModel):
     versions: Json[dict[str, str]]
     steps: int
     simulation_wall_s: float
+    inputs: Json[tuple[Input, ...]]
     thinned: int
 
 
@@ -66,8 +68,20 @@ def load(folder: str | os.PathLike[str]) -> dict[str, Any]:
     except Exception as error:  # HDF5 and what reads it raise any for a file that is not as it was
         reason = getattr(error, "strerror", None) or error
         raise OutputError(f"{path}: cannot be read: {reason}") from None
-    fields = about.model_dump(exclude={"thinned"})
-    return fields | {"experiment": experiment, "data": data.assign_attrs(thinned=about.thinned)}
+    inputs = tuple(one._replace(path=Path(folder).absolute() / one.path) for one in about.inputs)
+    for one in inputs:
+        if one.path.is_file() and not one.unchanged:
+            raise OutputError(f"{one.path}: was changed since the run was saved; give it back")
+    return about.model_dump(exclude={"thinned"}) | {
+        "experiment": _with_inputs(experiment, {one.key: str(one.path) for one in inputs}),
+        "inputs": inputs,
+        "data": data.assign_attrs(thinned=about.thinned),
+    }
+
+
+def _with_inputs(experiment: Experiment, paths: dict[str, str]) -> Experiment:
+    """An experiment that names its files by these paths, by its keys."""
+    return experiment.replace({key: path for key, path in paths.items() if key})
 
 
 def _checked(file: BinaryIO) -> int:
@@ -129,23 +143,29 @@ def _about(hdf5: h5py.File) -> _About:
 
 def save(run: Run, folder: str | os.PathLike[str]) -> Path:
     """Write a run; see `Run.save`."""
-    experiment = run.experiment.to_toml()
-    content = _netcdf(run, experiment)
+    # Copies are made of what was run: not of a file that has changed meanwhile.
+    kept = run.inputs if all(one.unchanged for one in run.inputs) else ()
+    within = folder_name(kept)
+    inputs = [one._replace(path=Path(within, one.name)) for one in kept]
+    experiment = _with_inputs(run.experiment, {one.key: one.path.as_posix() for one in inputs})
+    text = experiment.to_toml()
+    content = _netcdf(run, text, json.dumps([(*one[:1], str(one[1]), *one[2:]) for one in inputs]))
     made_by = "".join(f"# {name} {number}\n" for name, number in run.versions.items())
     return write(
         folder,
-        {
+        {f"{within}/{one.name}": one.path.read_bytes() for one in kept}
+        | {
             "summary.json": (json.dumps(run.summary(), indent=2, allow_nan=False) + "\n").encode(),
             "experiment.toml": (
-                f"# The experiment as it was run, with every default filled in.\n{made_by}\n"
-                + experiment
+                f"# The experiment as it was run, with every default filled in.\n{made_by}\n{text}"
             ).encode(),
             "run.nc": content + _seal(content),
         },
+        replaces=("inputs-*", "figure.svg", "figure.png"),
     )
 
 
-def _netcdf(run: Run, experiment: str) -> bytes:
+def _netcdf(run: Run, experiment: str, inputs: str) -> bytes:
     data = run.data.assign_attrs(
         title=f"resonance-mj run {run.experiment.name}",
         experiment=experiment,
@@ -155,6 +175,7 @@ def _netcdf(run: Run, experiment: str) -> bytes:
         versions=json.dumps(run.versions),
         steps=run.steps,
         simulation_wall_s=run.simulation_wall_s,
+        inputs=inputs,
     )
     # In memory: HDF5 takes the process with it where a file cannot be closed, on a full disk.
     with _one_at_a_time:

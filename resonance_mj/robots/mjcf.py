@@ -70,18 +70,18 @@ class Arm:
 
 
 def find(mjcf: str) -> Path:
-    """The MJCF file that a path or a built-in name means.
+    """The MJCF file that a built-in name or a path means; a name means the same in every folder.
 
     Raises:
         RobotError: there is no such file.
     """
     if mjcf.startswith(menagerie.PREFIX):
         return menagerie.find(mjcf)
-    if is_file(mjcf):
-        return Path(mjcf)
     built_in = library.robots()
     if mjcf in built_in:
         return built_in[mjcf]
+    if is_file(mjcf):
+        return Path(mjcf)
     raise RobotError(
         f"robot.mjcf = {shown(mjcf)}: no such file; give the path of an MJCF file or one of "
         f"{listed(built_in)}"

@@ -35,7 +35,7 @@ def files(path: Path) -> list[Path]:
     Raises:
         RobotError: MuJoCo rejects it.
     """
-    path = path.absolute()
+    path = Path(os.path.abspath(path))
     named = _named(path)
     if is_urdf(path) or not all(file.is_file() for file in named):
         # MuJoCo names no mesh of a URDF, and a wrong place where paths are stripped or meshes lie

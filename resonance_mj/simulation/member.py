@@ -68,14 +68,16 @@ class Member:
         Args:
             wall_s: wall time of the simulation [s].
         """
+        warned = (f"MuJoCo warns: {line}" for line in self._stepper.warnings(self._index))
         return Run(
             experiment=self.plan.experiment,
             status=self.status,
             message=self._message,
-            notes=(*self.plan.notes, *self._recording.notes()),
+            notes=(*self.plan.notes, *self._recording.notes(), *warned),
             data=self._recording.dataset(),
             steps=self._steps,
             simulation_wall_s=wall_s,
+            inputs=self.plan.inputs,
             planned=self.plan,
         )
 

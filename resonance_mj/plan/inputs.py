@@ -1,0 +1,65 @@
+"""The files that an experiment names: a run's folder keeps copies, so that it can be sent."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from ..experiments.experiment import Experiment
+
+
+class Input(NamedTuple):
+    """A file that a run depends on."""
+
+    name: str
+    """Its path within the run's folder of inputs."""
+    path: Path
+    """Where it is."""
+    digest: str
+    """SHA-256 of its contents when the run was planned."""
+    key: str = ""
+    """The key of the experiment that names it; empty for what another file refers to."""
+
+    @property
+    def unchanged(self) -> bool:
+        """Whether the file is still there and as it was."""
+        return self.path.is_file() and digest(self.path) == self.digest
+
+
+def gather(experiment: Experiment, robot: list[Path]) -> tuple[Input, ...]:
+    """The files that an experiment depends on.
+
+    Args:
+        experiment: names a law, and waypoints.
+        robot: its robot's files, the MJCF first; none for one that comes with the program.
+    """
+    named = []
+    for file in robot:
+        root = Path(os.path.commonpath([one.parent for one in robot]))
+        key = "robot.mjcf" if file is robot[0] else ""
+        named.append((file.relative_to(root).as_posix(), file, key))
+    others = [("law.kind", experiment.law.kind)] if experiment.law.kind.endswith(".py") else []
+    others += [
+        (f"motion.{i}.file", motion.file)
+        for i, motion in enumerate(experiment.motion)
+        if motion.file
+    ]
+    for key, given in others:
+        name = f"{key.rpartition('.')[0]}-{Path(given).name}"
+        named.append((name, Path(given).absolute(), key))
+    return tuple(Input(name, path, digest(path), key) for name, path, key in named)
+
+
+def folder_name(inputs: Iterable[Input]) -> str:
+    """The name of the folder that these files are kept in: another for other contents."""
+    text = "".join(f"{one.name}\0{one.digest}\0" for one in inputs)
+    return f"inputs-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file's contents."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
