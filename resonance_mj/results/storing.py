@@ -7,6 +7,7 @@ import json
 import os
 import threading
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -21,6 +22,7 @@ from ..experiments.validation import validated
 from ..files import regular, write
 from ..plan.inputs import Input, folder_name
 from ..status import Status
+from ..text import listed
 from . import schema
 
 if TYPE_CHECKING:
@@ -144,7 +146,10 @@ def _about(hdf5: h5py.File) -> _About:
 def save(run: Run, folder: str | os.PathLike[str]) -> Path:
     """Write a run; see `Run.save`."""
     # Copies are made of what was run: not of a file that has changed meanwhile.
-    kept = run.inputs if all(one.unchanged for one in run.inputs) else ()
+    kept, changed = run.inputs, [str(one.path) for one in run.inputs if not one.unchanged]
+    if changed:
+        said = f"no copies of its files are kept: {listed(changed)} changed since it was simulated"
+        kept, run = (), replace(run, notes=(*run.notes, said))
     within = folder_name(kept)
     inputs = [one._replace(path=Path(within, one.name)) for one in kept]
     experiment = _with_inputs(run.experiment, {one.key: one.path.as_posix() for one in inputs})
