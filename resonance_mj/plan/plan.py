@@ -104,7 +104,7 @@ class Plan:
         with heard() as warned:
             before = notes.before(self.loaded, self.joints, self.optima)
             found = (*self.robot.notes, *before, *self.unstable)
-        return (*found, *(f"MuJoCo warns: {line}" for line in warned))
+        return tuple(dict.fromkeys((*found, *warned)))
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:

@@ -175,7 +175,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         inertia=inertia,
         jacobian=J,
         usual=float(np.sqrt(max(np.linalg.det(J @ J.T), 0.0))),
-        notes=(*notes, *(f"MuJoCo warns: {line}" for line in warned)),
+        notes=(*notes, *warned),
         tools=arm.tools,
         path=path,
     )

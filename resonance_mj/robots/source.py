@@ -35,7 +35,7 @@ def files(path: Path) -> list[Path]:
     Raises:
         RobotError: MuJoCo rejects it.
     """
-    path = Path(os.path.abspath(path))
+    path = Path(os.path.normpath(path.absolute()))
     named = _named(path)
     if is_urdf(path) or not all(file.is_file() for file in named):
         # MuJoCo names no mesh of a URDF, and a wrong place where paths are stripped or meshes lie
@@ -79,7 +79,9 @@ def _archived_texts(path: Path) -> Iterator[tuple[str, bytes]]:
         with zipfile.ZipFile(path) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
             if size > LARGEST:
-                raise RobotError(f"{path}: holds {size / 1e6:.0f} MB; {LARGEST / 1e6:.0f} are valid")
+                raise RobotError(
+                    f"{path}: holds {size / 1e6:.0f} MB; {LARGEST / 1e6:.0f} are valid"
+                )
             for name in archive.namelist():
                 if name.endswith(XML):
                     yield f"{path}/{name}", archive.read(name)
