@@ -2,10 +2,11 @@
 
     python benchmarks/mutation.py [--least SHARE]
 
-mutmut changes one operator, number or name at a time in `equations.py` and `learning.py` and runs
-the tests of these files. It does so in a copy below build/, in which the functions are plain
-Python: compiled code is cached and would not change. Prints the changes that survive and the share
-killed; exits with 1 where less than 95 % are. `[tool.mutmut]` of pyproject.toml says what is run.
+mutmut changes one operator, number or name at a time in `equations.py`, `learning.py` and `fit.py`
+and runs the tests of these files. It does so in a copy below build/, in which the functions are
+plain Python: compiled code is cached and would not change. Prints the changes that survive and the
+share killed; exits with 1 where less than 95 % are. `[tool.mutmut]` of pyproject.toml says what is
+run.
 """
 
 from __future__ import annotations

@@ -1,31 +1,34 @@
 """Divergence predicted and measured: the tables and the figure of docs/stability.md.
 
-    python benchmarks/stability.py [--cycles N] [--out FOLDER]
+    python benchmarks/stability.py [--cycles N] [--arms N] [--eta SHARE] [--out FOLDER]
 
-Each motion of `paper-centered` alone, as in docs/reproduction.md. Predictions are those of
-`resonance-mj run`; measured is what the runs do. The figure is written as stability.png.
+Each motion of `paper-centered` alone, as in docs/reproduction.md, and the arms of random_arms.py
+with the default law, but another η, all harmonics kept and no lead.
+Predictions are those of `resonance-mj run`; measured is what the runs do. The figure is written as
+stability.png.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from random_arms import arms as random_arms
 from readings import Changes, alone
 
 import resonance_mj as rmj
 from resonance_mj.laws.stability import sampled_loop
 from resonance_mj.laws.stability.divergence import POSES, Divergence, divergences
 from resonance_mj.laws.stability.stability import learning_loop
-from resonance_mj.pictures.figures.style import STYLE
+from resonance_mj.pictures.figures.style import styled
 from resonance_mj.pictures.palette import MUTED
 from resonance_mj.plan.plan import plan_for
 
@@ -55,8 +58,8 @@ class Case:
     @property
     def ratio(self) -> np.ndarray:
         """Torque² of each cycle as a multiple of that without springs."""
-        data = self.run.data
-        return data["torque_squared"].values / float(data["torque_squared_without_springs"][0])
+        (best,) = self.run.plan.optima
+        return self.run.data["torque_squared"].values / best.torque_squared_without_springs
 
     @property
     def worse(self) -> int | None:
@@ -81,13 +84,51 @@ class Case:
         return float(np.exp(np.polyfit(np.arange(len(last)), last, 1)[0]) - 1)
 
 
+def predicted(experiment: rmj.Experiment) -> Divergence | None:
+    """How the first motion of an experiment is said to diverge."""
+    one = plan_for(experiment)
+    found = divergences(one.experiment, one.loaded, one.gains, one.joints, one.optima, one.q_c)
+    return found[0]
+
+
+def enough(why: Divergence | None, cycles: int) -> int:
+    """As many cycles as it takes to see it, at most `cycles`."""
+    return cycles if why is None else int(min(cycles, LATER * why.onset.cycle + 20))
+
+
 def case(motion: int, changes: Changes, cycles: int) -> Case:
-    """A case with its prediction, and as many cycles as it takes to see it, at most `cycles`."""
+    """A case with its prediction."""
     law = rmj.load("paper-centered").replace(changes).law
-    one = plan_for(alone(motion, cycles, changes))
-    (why,) = divergences(one.experiment, one.loaded, one.gains, one.joints, one.optima, one.q_c)
-    needed = cycles if why is None else min(cycles, int(LATER * why.onset.cycle) + 20)
-    return Case(motion, law.beta, law.lead, law.harmonics, why, alone(motion, needed, changes))
+    why = predicted(alone(motion, cycles, changes))
+    experiment = alone(motion, enough(why, cycles), changes)
+    return Case(motion, law.beta, law.lead, law.harmonics, why, experiment)
+
+
+def arms(count: int, eta: float, cycles: int) -> list[Case]:
+    """Random arms without a lead."""
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for _, experiment in random_arms(count, 0, Path(folder)):
+            given = experiment.replace({"law.eta": eta, "law.lead": 0, "law.harmonics": 500})
+            why = predicted(given)
+            motion = {"motion.0.duration": float(enough(why, cycles)), "simulation.samples": 1}
+            found.append(Case(0, 0.0, 0, None, why, given.replace(motion)))
+        simulate(found)
+    return found
+
+
+def in_all(of: Sequence[Case]) -> Iterator[Sequence[str]]:
+    """How near the cycles of arms come to those predicted."""
+    yield ("arms", "said to diverge", "did", "measured / predicted: median", "middle half", "all")
+    said = [one for one in of if one.why and one.why.onset.cycle < one.experiment.motion[0].cycles]
+    ratios = [one.worse / one.why.onset.cycle for one in said if one.worse]
+    least, low, middle, high, most = np.quantile(ratios, (0, 0.25, 0.5, 0.75, 1))
+    yield (
+        *(str(len(each)) for each in (of, said, ratios)),
+        f"{middle:.2f}",
+        f"{low:.2f} to {high:.2f}",
+        f"{least:.2f} to {most:.2f}",
+    )
 
 
 def laws(cycles: int) -> list[Case]:
@@ -120,8 +161,8 @@ def simulate(todo: Sequence[Case]) -> None:
     def show(done: int, of: int) -> None:
         print(f"\r{done} of {of} rounds of cycles simulated", end="", file=sys.stderr, flush=True)
 
-    runs = rmj.simulate_many([case.experiment for case in todo], progress=show)
-    print(file=sys.stderr)
+    shown = show if sys.stderr.isatty() else None
+    runs = rmj.simulate_many([case.experiment for case in todo], progress=shown)
     for case, run in zip(todo, runs, strict=True):
         case.run = run
 
@@ -160,7 +201,7 @@ def table(of: Sequence[Case]) -> Iterator[Sequence[str]]:
 
 def figure(of: Sequence[Case]) -> Figure:
     """|1 - μ| over frequency, and the harmonic that grows fastest over the cycles."""
-    with rc_context(STYLE):
+    with styled():
         fig = Figure(figsize=(9.2, 3.6), layout="constrained")
         over_frequency, over_cycles = fig.subplots(1, 2)
         _multipliers(over_frequency, motion=0, beta=10.0)
@@ -227,6 +268,8 @@ def main() -> None:
     """Print the tables and write the figure."""
     parser = argparse.ArgumentParser(description="Tables and figure of docs/stability.md.")
     parser.add_argument("--cycles", type=int, default=400, help="most cycles of a run")
+    parser.add_argument("--arms", type=int, default=40, help="how many random arms")
+    parser.add_argument("--eta", type=float, default=1.0, help="what they learn in a cycle")
     parser.add_argument("--out", type=Path, default=Path("docs"), help="folder of stability.png")
     options = parser.parse_args()
     if options.cycles < 2:
@@ -235,9 +278,12 @@ def main() -> None:
         parser.error(f"--out {options.out}: is not a folder")
     at, beyond = laws(options.cycles), limits(options.cycles)
     simulate([*at, *beyond])
-    for title, of in (("laws", at), ("limits", beyond)):
+    tables = {"laws": table(at), "limits": table(beyond)}
+    if options.arms:
+        tables["random arms"] = in_all(arms(options.arms, options.eta, options.cycles))
+    for title, rows in tables.items():
         print(f"{title}\n")
-        for index, row in enumerate(table(of)):
+        for index, row in enumerate(rows):
             print(f"| {' | '.join(row)} |")
             if index == 0:
                 print("|" + "---|" * len(row))

@@ -134,10 +134,10 @@ def told_apart(names: Sequence[str], settings: Sequence[Mapping[str, Any]]) -> l
         names: of the runs.
         settings: the tables of each run's experiment.
     """
-    flat = [_flat(one) for one in settings]
+    tables = [flat(one) for one in settings]
     told = []
-    for name, mine in zip(names, flat, strict=True):
-        alike = [other for other, its in zip(flat, names, strict=True) if its == name]
+    for name, mine in zip(names, tables, strict=True):
+        alike = [other for other, its in zip(tables, names, strict=True) if its == name]
         keys = [key for key in mine if any(one.get(key) != mine[key] for one in alike)]
         told.append(", ".join([name, *(f"{key} {_short(mine[key])}" for key in keys[:2])]))
     return [
@@ -146,7 +146,7 @@ def told_apart(names: Sequence[str], settings: Sequence[Mapping[str, Any]]) -> l
     ]
 
 
-def _flat(value: Any, key: str = "") -> dict[str, Any]:
+def flat(value: Any, key: str = "") -> dict[str, Any]:
     """Nested tables as one with dotted keys, without the run's name and what it must show."""
     if isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value):
         value = dict(enumerate(value))
@@ -155,7 +155,7 @@ def _flat(value: Any, key: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, item in value.items():
         if key or name not in ("name", "expect"):
-            found |= _flat(item, f"{key}.{name}".removeprefix("."))
+            found |= flat(item, f"{key}.{name}".removeprefix("."))
     return found
 
 

@@ -13,9 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resonance_mj as rmj
+from resonance_mj.evaluation.certificates import lyapunov, orthogonality
 from resonance_mj.evaluation.certificates.orthogonality import untaken
 from resonance_mj.laws import learning
+from resonance_mj.springs import optimum
 from resonance_mj.springs import spring as springs
+from resonance_mj.springs.fit import LinearSprings, fit
 
 ALPHA, K_V, K_P = 10.0, 200.0, 2000.0
 GAMMA_K, GAMMA_QE = np.array([50.0, 5.0]), np.array([150.0, 10.0])
@@ -203,6 +206,60 @@ def test_n_and_c_7_are_those_of_the_paper_s_arm_in_closed_form(motion, lead):
         assert c_7[number] == pytest.approx((dot(du, y) - (V_1 - V_0)) / dot(y, y), rel=1e-4)
 
 
+def test_v_grows_along_a_run_as_17_says():
+    """V̇ by differences is yᵀΔu - ‖Δẋ‖²_Kv - α sᵀK_p s + yᵀζ, with ζ from the arm's own mechanics.
+
+    Of what N adds up, this alone knows V: without any one of its three parts it does not hold.
+    """
+    dt = 1e-4
+    run = rmj.simulate(
+        centered(
+            2, 1, simulation__timestep=dt, simulation__integrator="RK4", law__velocity="jacobian"
+        )
+    )
+    plan, now = run.plan, cycle(run, 2)
+    best, q, dq = plan.optima[0], now["q"], now["dq"]
+    y, k, offset, q_c = now["y"], now["stiffness"], now["offset"], plan.q_c
+    t = np.arange(len(q)) * dt
+    x_d, dx_d, _ = two_link.first_motion(t)
+    error = now["x"] - x_d
+    rate = np.einsum("tij,tj->ti", two_link.jacobian(q), dq) - dx_d
+
+    weight = K_P + ALPHA * K_V
+    parts = {
+        "R": [
+            lyapunov.motion_energy(y[i], two_link.inertia(q[i]), 0 * x_d[0], 0 * x_d[0])
+            for i in range(len(q))
+        ],
+        "x": [lyapunov.motion_energy(0 * y[0], np.eye(2), e, np.full(2, weight)) for e in error],
+        "k": [
+            lyapunov.spring_energy(a - best.stiffness, b - best.offset, GAMMA_K, GAMMA_QE)
+            for a, b in zip(k, offset, strict=True)
+        ],
+    }
+
+    def slope(signal):
+        return (np.asarray(signal)[2:] - np.asarray(signal)[:-2]) / (2 * dt)
+
+    dq_r = dq - y
+    # R q̈_r + (Ṙ/2 + S) q̇_r: the torque is quadratic in the speed, and this is its bilinear form.
+    both, one, other = (two_link.coriolis(q, v) for v in (dq + dq_r, dq, dq_r))
+    inertial = np.einsum("tij,tj->ti", two_link.inertia(q)[1:-1], slope(dq_r))
+    mean = ((both - one - other) / 2)[1:-1]
+    needed = best.torque_without_springs - springs.torque(best.stiffness, best.offset, best.q, q_c)
+    pull = springs.torque(best.stiffness, best.offset, q, q_c)
+    zeta = (needed + pull - two_link.D * dq - two_link.gravity(q))[1:-1] - inertial - mean
+    s = np.sin(error)
+    wanted = ((now["u"] - needed) * y - K_V * rate**2 - ALPHA * K_P * s**2).sum(axis=1)[1:-1]
+    wanted += (y[1:-1] * zeta).sum(axis=1)
+    slopes = {name: slope(part) for name, part in parts.items()}
+    size = np.abs(wanted).max()
+    assert np.abs(sum(slopes.values()) - wanted).max() < 0.02 * size
+    for name in parts:
+        without = sum(part for other_name, part in slopes.items() if other_name != name)
+        assert np.abs(without - wanted).max() > 0.2 * size
+
+
 # What the proof says
 
 
@@ -294,14 +351,14 @@ def test_bounded_springs_leave_torque_that_only_a_better_spring_could_take(numbe
     run = bounded("transfer")
     now = cycle(run, number)
     center = run.data["center"].values[run.data["cycle_of_sample"].values == number][0]
-    springs_now = now["stiffness"][0], now["offset"][0], center
+    acting = LinearSprings(now["stiffness"][0], now["offset"][0], center)
     q, u = cycle(run, number - 1)["q"], now["u"]
     bounds = run.experiment.springs
-    assert np.abs(untaken(u, q, *springs_now, bounds)).max() < 1e-12
+    assert np.abs(untaken(u, q, acting, bounds)).max() < 1e-12
     free = bounds.model_copy(
         update=dict.fromkeys(("stiffness", "equilibrium"), (-math.inf, math.inf))
     )
-    assert np.abs(untaken(u, q, *springs_now, free)).max() > 0.1
+    assert np.abs(untaken(u, q, acting, free)).max() > 0.1
 
 
 def test_printed_12_holds_with_its_own_equilibrium_wherever_the_stiffness_is_free():
@@ -385,6 +442,20 @@ def test_learned_torque_changed_in_one_cycle_is_caught_there():
 def test_a_spring_changed_in_one_cycle_of_a_transfer_is_caught_there():
     item = rmj.certify(tampered(transferred(), "stiffness", 3, 1e-6)).of("(9)")[0]
     assert item.cycles[item.fails].tolist() == [2]
+
+
+@pytest.mark.parametrize("kind", ["stiffness", "offset"])
+def test_an_optimum_that_is_not_one_is_caught_whatever_it_was_found_by(kind, monkeypatch):
+    """(12) is judged by the torque that is left, and does not ask again who found the springs."""
+
+    def wrong(*arguments):
+        best = fit(*arguments)
+        return best._replace(**{kind: 1.000001 * getattr(best, kind)})
+
+    monkeypatch.setattr(optimum, "fit", wrong)
+    monkeypatch.setattr(orthogonality, "fit", wrong, raising=False)
+    run = dataclasses.replace(short(0), planned=None)
+    assert [item.holds for item in rmj.certify(run).of("(12)")] == [False, False]
 
 
 def test_a_robot_that_changed_since_the_run_is_refused(tmp_path):

@@ -1,17 +1,21 @@
 """Runs held against [expect]: what passes, what is said when it does not, and what is rewritten."""
 
 import dataclasses
+import io
 import math
+import os
 import tomllib
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import resonance_mj as rmj
 from resonance_mj import cli, library
-from resonance_mj.evaluation.checks import cases, check, convergence, junit
+from resonance_mj.cli import tables
+from resonance_mj.evaluation.checks import cases, check, convergence
 from resonance_mj.evaluation.checks.check import Band
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.springs.spring import equilibrium
 
 # The paper's first motion for ten cycles, and for five at half the speed, under the transfer law.
@@ -209,6 +213,109 @@ def test_motion_that_was_whole_before_the_run_diverged_is_ok(run):
     }
 
 
+# What there is none of
+
+PENDULUM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" damping="0.02"/>
+<geom type="sphere" pos="0 0 -0.4" size="0.03" mass="1.2" contype="0" conaffinity="0"/>
+<site name="tool" pos="0 0 -0.5"/></body></worldbody>
+<keyframe><key name="home" qpos="0"/></keyframe></mujoco>"""
+
+
+def hanging(folder, **motion):
+    """A pendulum that hangs, under a motion of its tool in x."""
+    (folder / "pendulum.xml").write_text(PENDULUM)
+    return for_robot(str(folder / "pendulum.xml")).replace(
+        {
+            "task.coordinates": ["x"],
+            "simulation.timestep": 2e-3,
+            "motion": [{"duration": 8.0, "period": 2.0, "center": [0.0], "blend": 0} | motion],
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def unhelped(tmp_path_factory):
+    """It swings slower than it would by itself: of springs that pull, none is the best."""
+    folder = tmp_path_factory.mktemp("unhelped")
+    return rmj.simulate(hanging(folder, period=4.0, duration=12.0, shape="line", size=(0.1, 0.0)))
+
+
+@pytest.fixture(scope="module")
+def effortless(tmp_path_factory):
+    """It hangs still, and needs no torque."""
+    folder = tmp_path_factory.mktemp("effortless")
+    return rmj.simulate(hanging(folder, center=None, shape="fourier", offset=(0.0,)))
+
+
+UNDEFINED = {
+    "unhelped": {"torque_share": "no spring helps"},
+    "effortless": {
+        "torque_share": "needs no torque",
+        "torque_reduction": "needs no torque",
+        "cycles_to_optimum": "needs no torque",
+    },
+    "diverged": dict.fromkeys(
+        ("torque_share", "torque_reduction", "cycles_to_optimum", "stiffness", "tracking_rms"),
+        "ended before a cycle",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    "passing", [{"min": -1e9}, {"max": 1e9}, {"value": 0.0, "abs": 1e9}, {"value": 1.0, "rel": 1e9}]
+)
+@pytest.mark.parametrize("of", UNDEFINED)
+def test_a_figure_that_there_is_none_of_passes_nothing_and_says_why(of, passing, request):
+    found = judged(request.getfixturevalue(of), dict.fromkeys(UNDEFINED[of], passing))
+    for (figure, *_), one in found.items():
+        if figure != "status":
+            assert not one.passed
+            assert one.found is None
+            assert UNDEFINED[of][figure] in convergence.explain(one).splitlines()[0]
+
+
+@pytest.mark.parametrize("of", ["unhelped", "effortless", "diverged"])
+def test_runs_without_some_figures_are_shown_and_reported(of, request):
+    """Every table and every expectation, without a warning that somebody divided by nothing."""
+    run = request.getfixturevalue(of)
+    figures = dict.fromkeys(("stiffness", "offset", "equilibrium", "torque_reduction"), "optimal")
+    others = {key: {"max": 0.0} for key in ("torque_share", "tracking_rms", "cycles_to_optimum")}
+    experiment = run.experiment.replace({"expect": {**figures, **others}})
+    run = dataclasses.replace(run, experiment=experiment)
+    console = Console(file=io.StringIO(), width=120)
+    console.print(tables.judgements(run, check.judge(run)))
+    console.print(tables.summary(run))
+    console.print(tables.certificates(rmj.certify(run)))
+    console.print(convergence.report(run, check.judge(run)))
+    text = console.file.getvalue()
+    assert "nan" not in text
+    assert " inf" not in text
+
+
+def test_springs_that_do_nothing_are_the_optimum_where_none_is_better(unhelped, effortless):
+    for run in (unhelped, effortless):
+        assert verdicts(run, {"stiffness": "optimal", "offset": "optimal"}) == {
+            ("status", 0, ""): True,
+            ("stiffness", 1, "hinge"): True,
+            ("offset", 1, "hinge"): True,
+        }
+
+
+def test_update_writes_no_number_that_there_is_none_of(tmp_path, capsys):
+    (tmp_path / "pendulum.xml").write_text(PENDULUM)
+    path = tmp_path / "still.toml"
+    path.write_text(
+        '[robot]\nmjcf = "pendulum.xml"\n[task]\ncoordinates = ["x"]\n[[motion]]\nduration = 2.0\n'
+        'shape = "fourier"\noffset = [0.0]\n[expect]\ntorque_share = { value = 1, abs = 1 }\n'
+    )
+    before = path.read_text()
+    assert cli.main(["check", str(path), "--update"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "still.toml: expect.torque_share" in line
+    assert "needs no torque" in line
+    assert path.read_text() == before
+
+
 # What is said
 
 
@@ -299,37 +406,11 @@ def test_check_exits_0_or_1_and_prints_what_was_expected_and_found(tmp_path, cap
     table = capsys.readouterr().out
     for words in ("mine: none of 5", "stiffness joint2 [N m/rad]", "optimal", "passed"):
         assert words in table
-    assert cli.main(["check", str(fine), str(missed), "--junit", str(tmp_path / "new/j.xml")]) == 1
+    assert cli.main(["check", str(fine), str(missed)]) == 1
     out = capsys.readouterr().out
     assert "MISSED" in out
     assert "at least 1.5" in out
     assert "2 of 8 expectations missed in 2 run(s)" in out
-
-    suites = ElementTree.parse(tmp_path / "new" / "j.xml").getroot()
-    assert suites.tag == "testsuites"
-    assert (suites.get("tests"), suites.get("failures"), suites.get("errors")) == ("8", "2", "0")
-    assert [suite.get("tests") for suite in suites] == ["5", "3"]
-    for suite in suites:
-        cases_ = suite.findall("testcase")
-        assert len(cases_) == int(suite.get("tests"))
-        assert all(case.get("classname") and case.get("name") for case in cases_)
-        failures = [case.find("failure") for case in cases_ if case.find("failure") is not None]
-        assert len(failures) == int(suite.get("failures"))
-        assert all("expected at least 1.5" in failure.get("message") for failure in failures)
-        assert all("it would have passed in none" in failure.text for failure in failures)
-        names = {entry.get("name") for entry in suite.iter("property")}
-        assert {"mujoco", "resonance-mj"} <= names
-
-
-def test_junit_holds_what_xml_can_hold(run, tmp_path):
-    """A joint may have any name."""
-    data = run.data.assign_coords(joint=["<&\x01\ud800>", "joint2"])
-    expect = {"stiffness": {"value": 0.0, "abs": 0.0}}
-    mine = dataclasses.replace(
-        run, data=data, experiment=run.experiment.replace({"expect": expect}), message="\x00"
-    )
-    junit.write(tmp_path / "j.xml", [mine], [check.judge(mine)])
-    assert len(list(ElementTree.parse(tmp_path / "j.xml").iter("failure"))) == 4
 
 
 def test_keys_of_the_experiment_change_all_that_are_checked(tmp_path, capsys):
@@ -418,9 +499,6 @@ def test_bad_expectations_exit_2_in_one_line_that_names_file_key_value_and_remed
         (["empty"], ["empty", "[expect]"]),
         (["mine.toml", "--law.bta", "1"], ["law.bta", "'beta'"]),
         (["mine.toml", "--law.beta", "1", "--update"], ["--law.beta", "--update"]),
-        (["mine.toml", "--junit", "mine.toml/x.xml"], ["mine.toml", "not a folder"]),
-        (["mine.toml", "--junit", "empty"], ["empty", "is a folder", "--junit"]),
-        (["mine.toml", "--junit"], ["--junit"]),
     ],
 )
 def test_what_cannot_be_checked_is_said_before_anything_is_simulated(
@@ -489,6 +567,22 @@ def test_update_rewrites_the_numbers_missed_and_nothing_else(run, tmp_path, caps
     assert cli.main(["check", str(path)]) == 0
     assert cli.main(["check", str(path), "--update"]) == 0
     assert path.read_text() == text
+
+
+def test_update_keeps_owner_and_mode_of_the_file(tmp_path):
+    path = written(tmp_path, OLD)
+    os.chown(path, 1234 if os.getuid() == 0 else -1, -1)
+    path.chmod(0o640)
+    before = path.stat()
+    assert cli.main(["check", str(path), "--update"]) == 0
+    after = path.stat()
+    assert path.read_text() != RUN + OLD
+    assert (after.st_uid, after.st_gid, after.st_mode) == (
+        before.st_uid,
+        before.st_gid,
+        before.st_mode,
+    )
+    assert [one.name for one in tmp_path.iterdir()] == ["mine.toml"]
 
 
 def test_update_leaves_requirements_alone_and_says_that_they_are_missed(tmp_path, capsys):

@@ -1,6 +1,7 @@
 """All laws on one experiment: the same runs as one by one, figures of them, and a verdict."""
 
 import csv
+import io
 import json
 import subprocess
 import sys
@@ -9,9 +10,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from rich.console import Console
 
 import resonance_mj as rmj
 from resonance_mj import cli
+from resonance_mj.cli import tables
 from resonance_mj.evaluation.comparison import contenders
 from resonance_mj.evaluation.comparison.comparison import Comparison, Verdict
 from resonance_mj.experiments.loading import for_robot
@@ -104,6 +107,50 @@ def test_a_law_that_diverges_is_said_to_do_so_with_the_cycle():
     assert row(found, "transfer", 1)["long_run"] == "holds the optimum"
 
 
+PENDULUM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" damping="0.02"/>
+<geom type="sphere" pos="0 0 -0.4" size="0.03" mass="1.2" contype="0" conaffinity="0"/>
+<site name="tool" pos="0 0 -0.5"/></body></worldbody>
+<keyframe><key name="home" qpos="0"/></keyframe></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "undefined"),
+    [
+        ({"shape": "line", "size": (0.1, 0.0), "center": [0.0], "period": 4.0}, ["share"]),
+        ({"shape": "fourier", "offset": (0.0,), "blend": 0}, ["share", "torque_reduction"]),
+        ({"shape": "line", "size": (0.1, 0.0), "center": [0.0], "k_v": 1e7}, []),
+    ],
+    ids=["no spring helps", "no torque", "diverged in the first cycle"],
+)
+def test_what_a_comparison_cannot_say_it_leaves_out(changes, undefined, tmp_path):
+    """In the rows, the files and the table."""
+    (tmp_path / "pendulum.xml").write_text(PENDULUM)
+    motion = dict(changes)
+    k_v = motion.pop("k_v", None)
+    experiment = for_robot(str(tmp_path / "pendulum.xml")).replace(
+        {
+            "task.coordinates": ["x"],
+            "simulation.timestep": 4e-3,
+            "motion": [{"duration": 3 * motion.get("period", 1.0)} | motion],
+            "law.k_v": k_v,
+            "law.k_p": k_v,
+        }
+    )
+    found = rmj.compare(experiment, long=20)
+    by_law = {one["law"]: one for one in found.rows()}
+    for one in by_law.values():
+        assert [one[key] for key in undefined] == [None] * len(undefined)
+    if k_v:
+        assert by_law["feedback"]["status"] == "diverged"
+        assert by_law["feedback"]["peak_torque"] is None
+        assert by_law["feedback"]["long_run"] == "DIVERGED at 1"
+    rows = json.loads((found.save(tmp_path) / "compare.json").read_text(encoding="utf-8"))
+    assert rows == found.rows()
+    console = Console(file=io.StringIO(), width=120)
+    console.print(tables.comparison(found))
+    assert "nan" not in console.file.getvalue()
+
+
 @pytest.mark.parametrize(
     ("verdict", "text"),
     [
@@ -113,6 +160,7 @@ def test_a_law_that_diverges_is_said_to_do_so_with_the_cycle():
         (Verdict(None, 0.5, 0.51), "0.51 × optimum"),
         (Verdict(169, np.inf, np.inf), "DIVERGED at 169"),
         (Verdict(0, np.inf, np.inf), "DIVERGED before"),
+        (Verdict(None, np.nan, np.nan), "the optimum needs no torque"),
     ],
 )
 def test_verdicts_say_what_was_measured(verdict, text):

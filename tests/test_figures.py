@@ -18,8 +18,7 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures import palette
-from resonance_mj.pictures.figures import catalogue, naming, path, sizes, springs
-from resonance_mj.pictures.film import captions, look
+from resonance_mj.pictures.figures import catalogue, path, sizes, springs
 from resonance_mj.results.cycles import kept
 
 SHORT = {
@@ -156,10 +155,6 @@ def test_a_slide_joint_is_shown_in_metres_and_newtons(runs):
     assert any("[N² m² + N²]" in title for title in titles)
 
 
-def test_a_joints_name_is_never_taken_for_a_unit():
-    assert naming.of_joint("k of {} [N m/rad]", True).format("radial") == "k of radial [N/m]"
-
-
 def test_cycles_shows_torque_squared_of_the_samples_beside_the_optimum_computed_anew(runs):
     run = runs["two-link-transfer"]
     torque, tracking = drawn("cycles", [run]).axes
@@ -235,18 +230,18 @@ def test_the_springs_line_has_the_springs_stiffness_and_is_zero_at_its_equilibri
 
 def test_a_joint_that_stands_still_is_said_to():
     q = np.full(100, 0.5) + 1e-6 * np.sin(np.arange(100))
-    still = springs.Exerted(q, np.full(100, 2.0), np.zeros(100), 0.0, np.inf)
+    still = springs.Exerted(q, np.full(100, 2.0), np.zeros(100), 0.0)
     assert still.still
-    assert list(springs._found(still, False)) == [
-        "stands still, spring 2 N m",
-        "100.0% less torque²",
-    ]
+    assert springs.spring_in_words(still, False) == "stands still, spring 2 N m"
+    assert springs.saved_in_words(still, False) == "100.0% less torque²"
 
 
 def test_the_path_is_drawn_in_its_own_plane_at_the_same_scale_along_both_axes(runs):
     run = runs["six-joint-pose"]
     ax, *_ = drawn("path", [run]).axes
-    assert ax.get_aspect() == 1
+    inches = ax.get_position().size * ax.get_figure().get_size_inches()
+    (per_inch, same) = np.diff([ax.get_xlim(), ax.get_ylim()], axis=1)[:, 0] / inches
+    assert per_inch == pytest.approx(same, rel=1e-9)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "z [m]")
     (desired,) = [line for line in lines_of(ax, palette.DESIRED) if line.get_linestyle() == "--"]
     cycle = kept(run)[-1]
@@ -283,11 +278,9 @@ def test_convergence_shows_each_run_as_a_multiple_of_its_own_optimum(runs):
 def test_runs_of_the_same_name_are_told_apart_by_the_keys_that_differ(runs):
     run = runs["scara"]
     other = replace(run, experiment=run.experiment.replace({"law.beta": 3.0}))
-    one, two = naming.labels([run, other])
-    assert two == "scara, law.beta 3"
-    assert one.startswith("scara, law.beta ")
-    assert naming.labels([run, run]) == ["scara (1)", "scara (2)"]
-    assert naming.labels([run, runs["seven-joint"]]) == ["scara", "seven-joint"]
+    (legend,) = drawn("convergence", [run, other]).legends
+    _, label = [text.get_text() for text in legend.get_texts()]
+    assert label == "scara, law.beta 3"
 
 
 def test_a_run_that_diverged_is_drawn_and_ends_in_a_cross(diverged, runs):
@@ -328,9 +321,8 @@ def test_a_run_without_samples_has_figures_of_its_cycles_alone_and_says_what_is_
 
 def test_captions_and_titles_are_there_for_every_figure():
     for entry in catalogue.FIGURES:
-        assert len(entry.title) > 10
+        assert not entry.title.endswith(".")
         assert entry.caption.endswith(".")
-    assert len({entry.stem for entry in catalogue.FIGURES}) == len(catalogue.FIGURES)
 
 
 @pytest.mark.parametrize(("width", "wide"), [("column", 3.5), ("page", 7.16), ("5.2", 5.2)])
@@ -400,17 +392,6 @@ def test_a_folder_that_cannot_be_written_is_refused(runs, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="file"):
         rmj.plot(runs["scara"], tmp_path / "file", figures=["cycles"])
-
-
-def test_figures_and_video_have_the_same_colours(runs):
-    (lines,) = [each for each in (captions, look) if hasattr(each, "MOTOR")]
-    assert lines.MOTOR is palette.MOTOR
-    from resonance_mj.pictures.film import overlays, plots
-
-    assert (plots.MEASURED, plots.OPTIMAL, plots.MUTED) == (
-        palette.MEASURED, palette.OPTIMAL, palette.MUTED,
-    )  # fmt: skip
-    assert overlays.SPRING_POSITIVE == palette.SPRING_POSITIVE
 
 
 @pytest.fixture(scope="module")

@@ -132,6 +132,20 @@ def test_the_tools_are_the_named_sites_and_bodies_of_the_longest_chain(servos):
     assert (given.tool.name, given.tool.kind, given.tool_reason) == ("flange", "body", "given")
 
 
+def test_the_fingers_of_a_gripper_are_no_tools_and_the_sites_of_its_hand_are(servos):
+    fingers = """<site name="palm"/>
+      <body name="left"><joint name="l" type="slide" axis="0 1 0"/><geom size="0.01"/></body>
+      <body name="right"><joint name="r" type="slide" axis="0 1 0"/><geom size="0.01"/></body>"""
+    servos.write_text(
+        SERVOS.replace('<site name="tcp"/>', fingers)
+        .replace("-0.5 1.2", "-0.5 1.2 0 0")
+        .replace("-1.0 1.5", "-1.0 1.5 0 0")
+    )
+    found = inspect(for_robot(str(servos)))
+    assert {tool.name for tool in found.tools} == {"palm", "camera", "lower", "flange"}
+    assert found.tool == found.tools[0]
+
+
 def test_a_motor_that_is_too_weak_is_in_the_notes(servos):
     notes = inspect(for_robot(str(servos))).notes
     assert any("asks elbow for" in note and "motor gives 0.2" in note for note in notes)

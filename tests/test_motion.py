@@ -444,7 +444,7 @@ def test_what_a_file_holds_that_is_no_csv_is_not_told(text, tmp_path, planar):
 
 
 def test_a_device_in_place_of_a_csv_is_refused_and_not_read(planar):
-    with pytest.raises(rmj.ResonanceError, match="'/dev/zero': is a device"):
+    with pytest.raises(rmj.ResonanceError, match="'/dev/zero': cannot be read: it is a device"):
         filled(planar, shape="csv", file="/dev/zero")
 
 

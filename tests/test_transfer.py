@@ -10,7 +10,7 @@ import resonance_mj as rmj
 from resonance_mj.experiments.sections import Springs
 from resonance_mj.laws import learning
 from resonance_mj.springs import spring as springs
-from resonance_mj.springs.fit import LinearSprings
+from resonance_mj.springs.fit import LinearSprings, fit
 
 Found = namedtuple("Found", "u stiffness offset center")
 
@@ -167,3 +167,41 @@ def test_a_joint_that_stands_still_gives_up_its_stiffness_and_keeps_its_torque()
     before = u + offset - k * (q - center)
     after = found.u + found.offset - found.stiffness * (q - found.center)
     np.testing.assert_allclose(after, before, atol=1e-12)
+
+
+# The fit that the transfer, the optimum and the certificates share
+
+
+def test_springs_about_another_centre_exert_the_same_torque():
+    _, _, q, *given = cycle(0)
+    acting = LinearSprings(*given)
+    np.testing.assert_allclose(acting.about(given[2] + 0.7).torque(q), acting.torque(q), atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_equilibrium_angles_are_bounded_about_the_centre_that_is_asked_for(seed):
+    """Far from the mean angle too: of all springs within the bounds none leaves less torque."""
+    u, _, q, *_ = cycle(seed)
+    center = q.mean(axis=0) + np.array([-0.4, 0.0, 0.9])
+    reach = (-0.2, 0.6)
+    bounds = Springs.model_construct(stiffness=(0.5, 4.0), equilibrium=reach)
+    torque = u - 2.0 * q
+    best = fit(q, torque, bounds, center)
+    np.testing.assert_array_equal(best.center, center)
+    within = best.offset / best.stiffness
+    assert (within >= reach[0] - 1e-12).all()
+    assert (within <= reach[1] + 1e-12).all()
+    left = ((torque - best.torque(q)) ** 2).sum(axis=0)
+    for k in np.linspace(0.5, 4.0, 15):
+        for angle in np.linspace(*reach, 15):
+            other = LinearSprings(np.full(3, k), np.full(3, k * angle), center)
+            assert (left <= ((torque - other.torque(q)) ** 2).sum(axis=0) + 1e-9).all()
+
+
+def test_a_joint_that_stands_still_gets_no_stiffness_beside_others_that_move():
+    u, _, q, *_ = cycle(0)
+    q[:, 1] = 0.3 + 1e-6 * np.sin(np.arange(len(q)))
+    free = Springs.model_construct(stiffness=UNBOUNDED[0], equilibrium=UNBOUNDED[1])
+    k = fit(q, u - 2.0 * q, free, np.zeros(3)).stiffness
+    assert k[1] == 0
+    assert (np.abs(k[[0, 2]]) > 0.1).all()

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import ExperimentError, OutputError
+from ..errors import ExperimentError
 from . import keys_as_options
 from .console import DONE, NOT_WELL, bar, console
 
@@ -27,7 +27,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="TOML files with [expect], folders of such, or built-in names; all in the working "
         "folder and its folder runs, or else the built-in ones",
     )
-    parser.add_argument("--junit", metavar="FILE", type=Path, help="write the verdicts as XML")
     parser.add_argument(
         "--update",
         action="store_true",
@@ -45,12 +44,6 @@ def execute(options: argparse.Namespace) -> int:
         )
     from ..evaluation.checks import cases
 
-    if options.junit is not None:
-        from ..files import could_be_written
-
-        could_be_written(options.junit.parent)
-        if options.junit.is_dir():
-            raise OutputError(f"{options.junit}: is a folder; give --junit the name of a file")
     files = cases.named(options.runs)
     experiments = [cases.read(path, options.changes) for path in files]
     from ..evaluation.checks import convergence
@@ -64,10 +57,6 @@ def execute(options: argparse.Namespace) -> int:
     judgements = [judge(run) for run in runs]
     for run, found in zip(runs, judgements, strict=True):
         screen.print(tables.judgements(run, found))
-    if options.junit is not None:
-        from ..evaluation.checks import junit
-
-        junit.write(options.junit, runs, judgements)
     if options.update:
         return _update(files, runs, judgements)
     for run, found in zip(runs, judgements, strict=True):

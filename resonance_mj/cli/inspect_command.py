@@ -26,7 +26,7 @@ def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     from ..evaluation.inspection import inspect
     from ..experiments.loading import for_robot
-    from . import tables
+    from . import arm_tables
 
     changes: dict[str, Any] = {}
     if options.tool is not None:
@@ -42,10 +42,10 @@ def execute(options: argparse.Namespace) -> int:
     for kind, slides in (("hinge", False), ("slide", True)):
         joints = [joint for joint in found.joints if joint.slides == slides]
         if joints:
-            screen.print(tables.joints(f"{found.experiment.name}: {kind} joints", joints))
-            screen.print(tables.effort(f"{kind} joints along the suggested motion", joints))
-    screen.print(tables.tools(found))
-    screen.print(tables.suggestion(found))
+            screen.print(arm_tables.joints(f"{found.experiment.name}: {kind} joints", joints))
+            screen.print(arm_tables.effort(f"{kind} joints along the suggested motion", joints))
+    screen.print(arm_tables.tools(found))
+    screen.print(arm_tables.suggestion(found))
     for note in found.notes:
         screen.print(f"  {note}", soft_wrap=True)
     return DONE

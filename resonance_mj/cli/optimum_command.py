@@ -22,5 +22,5 @@ def execute(options: argparse.Namespace) -> int:
     from . import tables
 
     plan = plan_for(experiment)
-    console().print(tables.optimum(plan.experiment, plan.robot, plan.optima))
+    console().print(tables.optimum(plan))
     return DONE

@@ -33,20 +33,19 @@ def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
     from ..files import could_be_written
-    from ..pictures.figures import drawing
+    from ..pictures.figures.plot import plot
+    from ..pictures.figures.sizes import DRAFT
 
     folder = could_be_written(options.out or Path("runs") / experiment.name)
     screen = console()
-    with drawing.ready() as draw:
-        run = _simulate(experiment, options, screen)
-        drawn = draw(run) if run.data.sizes["time"] else None
-        run.save(folder)
-        written = ["run.nc", "summary.json", "experiment.toml"]
-        from . import tables
+    run = _simulate(experiment, options, screen)
+    run.save(folder)
+    written = ["run.nc", "summary.json", "experiment.toml"]
+    from . import tables
 
-        screen.print(tables.summary(run))
-        if drawn is not None:
-            written += [path.name for path in drawn(folder)]
+    screen.print(tables.summary(run))
+    if run.data.sizes["time"]:
+        written += [path.name for path in plot(run, folder, figures=["overview"], dpi=DRAFT)]
     if options.certify:
         written += certify_command.certified(run, folder, screen)
     if run.data.attrs["thinned"]:

@@ -82,7 +82,7 @@ class Springs(Section):
     equilibrium: tuple[Bound, Bound] = (-math.pi, math.pi)
     """Bounds of the equilibrium angle q_e - q_c [rad]."""
     initial_stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
-    """k(0) [N m/rad], one for all joints or one each."""
+    """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0
     """q_e(0) [rad], one for all joints or one each."""
 
@@ -98,7 +98,8 @@ class Springs(Section):
     def _starts_inside(self) -> Springs:
         lower, upper = self.stiffness
         given = self.initial_stiffness
-        if any(not lower <= k <= upper for k in (given if isinstance(given, tuple) else (given,))):
+        every = given if isinstance(given, tuple) else (given,)
+        if any(k and not lower <= k <= upper for k in every):
             raise ValueError(
                 f"initial_stiffness = {shown(given)} is outside the bounds, stiffness = "
                 f"{shown(self.stiffness)}: give a stiffness inside"

@@ -101,7 +101,7 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
             the message names the file and the element.
     """
     path = find(mjcf)
-    # Of files that have just changed, MuJoCo's cache still holds what they were.
+    # MuJoCo takes a mesh from memory if its file has the same time, which counts whole seconds.
     mujoco.mj_clearCache(mujoco.mj_getCache())
     # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
     # that has been compiled copies all of them each time.

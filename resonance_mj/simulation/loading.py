@@ -29,7 +29,10 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["low"][index], memory["high"][index] = bounds.equilibrium
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
-    k = np.asarray(bounds.initial_stiffness)
+    k = np.asarray(bounds.initial_stiffness, float)
+    if plan.law.adapts:
+        # Where springs begin with none, they begin with the softest that there can be.
+        k = np.where(k == 0.0, np.clip(k, *bounds.stiffness), k)
     memory["stiffness"][index] = k
     # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
     stays = plan.law.adapts == ("gamma_k",)

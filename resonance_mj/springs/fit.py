@@ -59,18 +59,39 @@ def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -
     Note:
         A joint that stands still gets no stiffness: torque over angle is arbitrary there.
     """
+    return feasible(asked_for(q, torque), q, bounds, center)
+
+
+def asked_for(q: np.ndarray, torque: np.ndarray) -> LinearSprings:
+    """What `fit` would take if springs had no bounds: about the mean angle, by least squares."""
     mean = q.mean(axis=0)
     z = q - mean
-    variance = (z**2).mean(axis=0)
-    slope = np.where(variance > spring.STILL, spring_like_part(torque, z), 0.0)
-    level = torque.mean(axis=0)
+    moves = (z**2).mean(axis=0) > spring.STILL
+    slope = np.where(moves, spring_like_part(torque, z), 0.0)
+    return LinearSprings(-slope, torque.mean(axis=0), mean)
+
+
+def feasible(
+    wanted: LinearSprings, q: np.ndarray, bounds: Bounds, center: np.ndarray
+) -> LinearSprings:
+    """The feasible springs nearest to others in the metric of the cost; arguments as in `fit`.
+
+    Args:
+        wanted: about the mean angle, where stiffness and offset do not interact in the cost.
+        q: joint angles over a cycle.
+        bounds: of the springs.
+        center: q_c.
+    """
+    mean = wanted.center
+    variance = ((q - mean) ** 2).mean(axis=0)
     shift = mean - center
     low, high = bounds.equilibrium
     k, b = np.empty_like(mean), np.empty_like(mean)
     for j in range(len(mean)):
-        # About the mean angle, where stiffness and offset do not interact in the cost.
         reach = low - shift[j], high - shift[j]
-        k[j], b[j] = spring.nearest(-slope[j], level[j], *bounds.stiffness, *reach, variance[j])
+        k[j], b[j] = spring.nearest(
+            wanted.stiffness[j], wanted.offset[j], *bounds.stiffness, *reach, variance[j]
+        )
     return LinearSprings(k, b, mean).about(center)
 
 

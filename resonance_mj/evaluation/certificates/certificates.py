@@ -6,20 +6,19 @@ and its best springs, comes from inverse kinematics and inverse dynamics.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from ...errors import RobotError
-from ...experiments.experiment import Experiment
-from ...laws.gains import Gains
-from ...motions.kinematics import Kinematics
+from ...plan.plan import Plan
 from ...results.cycles import Cycle, kept
 from ...results.run import Run, Status
-from ...robots.robot import Robot
-from ...springs import spring as springs
+from ...springs.fit import LinearSprings
 from ...springs.optimum import Optimum, best_springs
+from ...text import shown
 from .claims import (
     FALLING,
     OF_A_CYCLE,
@@ -54,41 +53,39 @@ def certify(run: Run) -> Certificates:
         RobotError: the robot's file is missing, or is not the one that was run.
         MotionError: the arm cannot follow the motion: likewise.
     """
-    experiment, plan = run.experiment, run.plan
-    robot, chosen, q_s = plan.robot, plan.gains, plan.q_s
-    cycles = kept(run)
+    plan, cycles = run.plan, kept(run)
     of_motion = [
         [cycle for cycle in cycles if cycle.motion == index and not cycle.passage]
-        for index in range(len(experiment.motion))
+        for index in range(len(plan.joints))
     ]
-    best: list[Optimum] | list[Optimum | None]
-    if robot.m == robot.n:
+    best: Sequence[Optimum | None]
+    if plan.robot.m == plan.robot.n:
         best = plan.optima
-        _check_robot(run, best)
+        _check_robot(run, plan)
     else:
         best = [_of_motion_made(run, mine) for mine in of_motion]
     items: list[Certificate] = []
     for number, (mine, optimum) in enumerate(zip(of_motion, best, strict=True), start=1):
-        items += _handovers(number, _pairs(mine, cycles), experiment, robot, chosen, q_s)
-        items.append(_optimum(number, optimum, experiment, robot))
-        items += _energies(number, mine, optimum, experiment, plan.kinematics, chosen)
+        items += _handovers(number, _pairs(mine, cycles), plan)
+        items.append(_optimum(number, optimum, plan))
+        items += _energies(number, mine, optimum, plan)
     return Certificates(
-        name=experiment.name,
+        name=plan.experiment.name,
         items=tuple(items),
-        joints=robot.joints,
-        unit="N s/m" if robot.slides.all() else "N m s/rad",
-        enough=float(np.linalg.eigvalsh(chosen.learning).max() / 2),
+        joints=plan.robot.joints,
+        unit="N s/m" if plan.robot.slides.all() else "N m s/rad",
+        enough=float(np.linalg.eigvalsh(plan.gains.learning).max() / 2),
     )
 
 
-def _check_robot(run: Run, best: list[Optimum]) -> None:
+def _check_robot(run: Run, plan: Plan) -> None:
     recorded = run.data["torque_squared_without_springs"].values
-    now = np.array([optimum.torque_squared_without_springs for optimum in best])
+    now = np.array([optimum.torque_squared_without_springs for optimum in plan.optima])
     if not np.allclose(now, recorded, rtol=1e-6):
         raise RobotError(
             f"{run.experiment.robot.mjcf}: is not the robot of the run {run.experiment.name}: its "
-            f"motions need torque² of {now.round(3).tolist()} N² m² without springs, and those of "
-            f"the run {recorded.round(3).tolist()}; give the file back as it was, or run again"
+            f"motions need torque² of {shown(now.round(3))} N² m² without springs, and those of "
+            f"the run {shown(recorded.round(3))}; give the file back as it was, or run again"
         )
 
 
@@ -97,11 +94,12 @@ def _of_motion_made(run: Run, cycles: list[Cycle]) -> Optimum | None:
     if run.status is not Status.OK or not cycles:
         return None
     last = cycles[-1]
+    acting = LinearSprings(last.stiffness, last.offset, last.center)
     return best_springs(
         last.q,
-        last.tau + springs.torque(last.stiffness, last.offset, last.q, last.center),
+        last.tau + acting.torque(last.q),
         center=last.center,
-        period=run.experiment.motion[last.motion].period,
+        period=run.motions[last.motion].period,
         bounds=run.experiment.springs,
     )
 
@@ -113,16 +111,9 @@ def _pairs(mine: list[Cycle], cycles: list[Cycle]) -> list[tuple[Cycle, Cycle]]:
     return [(now, then) for now, then in pairs if then and len(then.q) == len(now.q)]
 
 
-def _handovers(
-    motion: int,
-    pairs: list[tuple[Cycle, Cycle]],
-    experiment: Experiment,
-    robot: Robot,
-    chosen: Gains,
-    q_s: np.ndarray,
-) -> list[Certificate]:
+def _handovers(motion: int, pairs: list[tuple[Cycle, Cycle]], plan: Plan) -> list[Certificate]:
     """(9) and (11), from each cycle to the next."""
-    kind = experiment.law.kind
+    kind, bounds = plan.experiment.law.kind, plan.experiment.springs
     claims = OF_A_CYCLE.get(kind, OF_A_CYCLE["paper"])
     if kind not in HANDOVERS:
         return [unknown(motion, claim, _no_proof(kind)) for claim in claims]
@@ -130,38 +121,31 @@ def _handovers(
         why = "no two cycles in a row were kept"
         return [unknown(motion, claim, why) for claim in claims]
     cycles = np.array([now.number for now, _ in pairs])
-    left = np.array([HANDOVERS[kind](*pair, chosen, q_s, experiment.springs) for pair in pairs])
+    left = np.array([HANDOVERS[kind](*pair, plan.gains, plan.q_s, bounds) for pair in pairs])
     return [
-        left_over(motion, claim, cycles, left[:, part], robot.joints)
+        left_over(motion, claim, cycles, left[:, part], plan.robot.joints)
         for part, claim in enumerate(claims)
     ]
 
 
-def _optimum(
-    motion: int, best: Optimum | None, experiment: Experiment, robot: Robot
-) -> Certificate:
+def _optimum(motion: int, best: Optimum | None, plan: Plan) -> Certificate:
     """(12)."""
     if best is None:
         return unknown(motion, OPTIMAL, NO_MOTION)
-    left = optimal(best, experiment.springs)[None]
-    return left_over(motion, OPTIMAL, np.zeros(0, int), left, robot.joints)
+    left = optimal(best, plan.experiment.springs)[None]
+    return left_over(motion, OPTIMAL, np.zeros(0, int), left, plan.robot.joints)
 
 
 def _energies(
-    motion: int,
-    mine: list[Cycle],
-    best: Optimum | None,
-    experiment: Experiment,
-    kinematics: Kinematics,
-    chosen: Gains,
+    motion: int, mine: list[Cycle], best: Optimum | None, plan: Plan
 ) -> list[Certificate]:
     """(15) and (22)."""
-    why = ""
-    if experiment.law.kind not in HANDOVERS:
-        why = _no_proof(experiment.law.kind)
+    why, kind, chosen = "", plan.experiment.law.kind, plan.gains
+    if kind not in HANDOVERS:
+        why = _no_proof(kind)
     elif chosen.jacobian == "transpose":
         why = "there is no proof with Jᵀ in (8)"
-    elif np.linalg.matrix_rank(chosen.learning) < kinematics.robot.n:
+    elif np.linalg.matrix_rank(chosen.learning) < plan.robot.n:
         why = "the learning gain is 0"
     elif best is None:
         why = NO_MOTION
@@ -169,7 +153,7 @@ def _energies(
         why = "no two cycles were kept"
     if why or best is None:
         return [unknown(motion, claim, why) for claim in (PASSIVE, FALLING)]
-    rows = [balance(cycle, best, experiment, chosen, kinematics) for cycle in mine]
+    rows = [balance(cycle, best, plan) for cycle in mine]
     return [_passivity(motion, rows), _decrease(motion, rows)]
 
 

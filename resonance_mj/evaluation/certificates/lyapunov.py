@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...experiments.experiment import Experiment
-from ...laws.gains import Gains
-from ...motions.kinematics import Kinematics
+from ...experiments.law_section import Law
+from ...plan.plan import Plan
 from ...results.cycles import Cycle
-from ...springs import spring as springs
+from ...springs import spring
 from ...springs.optimum import Optimum
 
 
@@ -36,22 +35,18 @@ class Balance(NamedTuple):
     """∫ yᵀ y dt [rad²/s]."""
 
 
-def balance(
-    cycle: Cycle, best: Optimum, experiment: Experiment, gains: Gains, kinematics: Kinematics
-) -> Balance:
+def balance(cycle: Cycle, best: Optimum, plan: Plan) -> Balance:
     """The terms of (15) and (22) for a cycle.
 
     Args:
         cycle: of a run.
         best: optimum of the motion that it repeats.
-        experiment: that was run.
-        gains: of the experiment.
-        kinematics: of its robot.
+        plan: of the run.
     """
-    law, dt = experiment.law, experiment.simulation.timestep
+    law, gains, dt = plan.experiment.law, plan.gains, plan.experiment.simulation.timestep
     gamma_k, gamma_qe = (np.broadcast_to(g, len(cycle.center)) for g in (law.gamma_k, law.gamma_qe))
-    k, offset = compared_with(cycle, best, experiment)
-    wanted = best.torque_without_springs - springs.torque(k, offset, best.q, cycle.center)
+    k, offset = compared_with(cycle, best, law)
+    wanted = best.torque_without_springs - spring.torque(k, offset, best.q, cycle.center)
     du = cycle.u - wanted
     y = np.roll(cycle.y, -gains.lead, axis=0)
     begin, end = (
@@ -63,7 +58,7 @@ def balance(
     )
     motion = motion_energy(
         cycle.y[0],
-        kinematics.inertia(cycle.q[0]),
+        plan.kinematics.inertia(cycle.q[0]),
         cycle.x[0] - cycle.x_desired[0],
         gains.k_p + law.alpha * gains.k_v,
     )
@@ -78,9 +73,7 @@ def balance(
     )
 
 
-def compared_with(
-    cycle: Cycle, best: Optimum, experiment: Experiment
-) -> tuple[np.ndarray, np.ndarray]:
+def compared_with(cycle: Cycle, best: Optimum, law: Law) -> tuple[np.ndarray, np.ndarray]:
     """The constant springs (k, q̄_e) (n,), (n,) that Δu and V are taken from in a cycle.
 
     The passivity (15) holds from any constant springs. For the law as printed they are the optimum,
@@ -89,12 +82,12 @@ def compared_with(
     that act as the cycle begins.
     """
     k, offset = cycle.stiffness[0], cycle.offset[0]
-    if experiment.law.kind != "paper":
+    if law.kind != "paper":
         return k, offset
-    about_center = best.offset + best.stiffness * (best.center - cycle.center)
+    optimal = best.springs.about(cycle.center)
     return (
-        np.where(np.asarray(experiment.law.gamma_k) > 0, best.stiffness, k),
-        np.where(np.asarray(experiment.law.gamma_qe) > 0, about_center, offset),
+        np.where(np.asarray(law.gamma_k) > 0, optimal.stiffness, k),
+        np.where(np.asarray(law.gamma_qe) > 0, optimal.offset, offset),
     )
 
 

@@ -10,8 +10,7 @@ from ...experiments.sections import Springs
 from ...laws import learning
 from ...laws.gains import Gains
 from ...results.cycles import Cycle
-from ...springs import spring as springs
-from ...springs.fit import LinearSprings, fit
+from ...springs.fit import LinearSprings, asked_for, feasible
 from ...springs.optimum import Optimum
 
 Handover = Callable[[Cycle, Cycle, Gains, np.ndarray, Springs], tuple[np.ndarray, np.ndarray]]
@@ -35,46 +34,43 @@ def transferred(
     """The transfer law. (9): motor and spring go on as before. (11): the spring takes no more."""
     v = now.u - learning.corrected(now.y, gains.learning, gains.lead)
     v = learning.low_pass(v, gains.harmonics)
-    k, offset = then.stiffness[0], then.offset[0]
-    before = v + springs.torque(now.last_stiffness, now.last_offset, now.q, now.center)
-    after = then.u + springs.torque(k, offset, now.q, then.center)
-    left = untaken(then.u, now.q, k, offset, then.center, bounds)
+    begins = LinearSprings(then.stiffness[0], then.offset[0], then.center)
+    before = v + LinearSprings(now.last_stiffness, now.last_offset, now.center).torque(now.q)
+    after = then.u + begins.torque(now.q)
+    left = untaken(then.u, now.q, begins, bounds)
     return share(after - before, before), share(left, v)
 
 
 def optimal(best: Optimum, bounds: Springs) -> np.ndarray:
     """(12), and with bounds what takes its place: the best springs take no more of τ_dopt (n,)."""
-    left = untaken(best.torque, best.q, best.stiffness, best.offset, best.center, bounds)
+    left = untaken(best.torque, best.q, best.springs, bounds)
     return share(left, best.torque_without_springs)
 
 
 def untaken(
-    torque: np.ndarray,
-    q: np.ndarray,
-    stiffness: np.ndarray,
-    offset: np.ndarray,
-    center: np.ndarray,
-    bounds: Springs,
+    torque: np.ndarray, q: np.ndarray, acting: LinearSprings, bounds: Springs
 ) -> np.ndarray:
     """Torque that would go from the motors to the springs if these were moved to the best feasible.
 
-    It vanishes where the projected gradient of ∫τ² dt does. Where no bound is active that is
-    ∫τ (q - c) dt = 0 for every constant c; where one is, the variational inequality of the optimum.
+    It vanishes where the projected gradient of ∫τ² dt does, and is found from this torque alone, so
+    that it does not repeat what the springs were found by. Where no bound is active it is zero if
+    ∫τ (q - c) dt = 0 for every constant c; where one is, by the variational inequality.
 
     Args:
         torque: of the motors over a cycle (N, n) [N m].
         q: joint angles over it (N, n) [rad].
-        stiffness: of the springs that act meanwhile (n,) [N m/rad].
-        offset: their offset torque about `center` (n,) [N m].
-        center: q_c (n,) [rad].
-        bounds: of the springs, about `center`.
+        acting: the springs that act meanwhile.
+        bounds: of the springs, about the centre of `acting`.
 
     Returns:
         Torque (N, n) [N m].
     """
-    acting = LinearSprings(stiffness, offset, center)
-    best = fit(q, torque + acting.torque(q), bounds, center)
-    return best.torque(q) - acting.torque(q)
+    step = asked_for(q, torque)
+    here = acting.about(step.center)
+    wanted = LinearSprings(here.stiffness + step.stiffness, here.offset + step.offset, step.center)
+    there = feasible(wanted, q, bounds, acting.center).about(step.center)
+    moved = LinearSprings(there.stiffness - here.stiffness, there.offset - here.offset, step.center)
+    return moved.torque(q)
 
 
 def share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:

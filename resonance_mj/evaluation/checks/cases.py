@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 import tomllib
@@ -15,6 +14,7 @@ from ...errors import ExperimentError
 from ...experiments.expectations import Expected
 from ...experiments.experiment import Experiment
 from ...experiments.loading import find, load
+from ...text import listed, nearest, shown
 
 
 def holds_expectations(path: Path) -> bool:
@@ -101,20 +101,18 @@ def fit(experiment: Experiment, joints: Sequence[str], source: str) -> None:
             "table [[expect.motion]] for each motion, in order, empty where nothing is expected"
         )
     for key, expected in _of_joints(experiment):
-        unknown = [name for name in expected.joints or () if name not in joints]
-        if unknown:
-            close = difflib.get_close_matches(unknown[0], joints, n=1)
+        unknown = next((name for name in expected.joints or () if name not in joints), None)
+        if unknown is not None:
             raise ExperimentError(
-                f"{source}: {key}.joints = {list(expected.joints or ())}: "
-                f"{experiment.robot.mjcf} has no joint {unknown[0]!r} in its arm"
-                + (f" (did you mean {close[0]!r}?)" if close else "")
-                + f"; its joints are {', '.join(joints)}"
+                f"{source}: {key}.joints = {shown(expected.joints)}: {experiment.robot.mjcf} has "
+                f"no joint {shown(unknown)} in its arm{nearest(unknown, joints)}; its joints are "
+                f"{listed(joints)}"
             )
         meant = expected.joints or joints
         if isinstance(expected.value, tuple) and len(expected.value) != len(meant):
             raise ExperimentError(
-                f"{source}: {key}.value = {list(expected.value)}: {len(expected.value)} numbers "
-                f"for {len(meant)} joints; give one for each of {', '.join(meant)}, or one for all"
+                f"{source}: {key}.value = {shown(expected.value)}: {len(expected.value)} numbers "
+                f"for {len(meant)} joints; give one for each of {listed(meant)}, or one for all"
             )
 
 

@@ -9,26 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...experiments.expectations import PER_JOINT, Expected, OfMotion
+from ...experiments.expectations import PER_JOINT, WITH_OPTIMUM, Expected, OfMotion
 from ...results.metrics import OPTIMUM_BAND
+from ...results.motions import MotionOfRun
 from ...results.run import Run
+from ...results.schema import OF_SLIDES, VARIABLES
 from ...status import Status
-from . import histories
 
 OF_SPRING, OF_TORQUE = 0.01, 0.001
 """By which share of the optimal spring, or of the RMS torque without springs where that is more, a
 spring that is to be optimal may differ from the optimum if no tolerance is given."""
-
-UNITS = {
-    "stiffness": ("N m/rad", "N/m"),
-    "offset": ("N m", "N"),
-    "equilibrium": ("rad", "m"),
-    "torque_reduction": ("", ""),
-    "torque_share": ("", ""),
-    "tracking_rms": ("m", "m"),
-    "cycles_to_optimum": ("", ""),
-}
-"""Of each figure, for hinge and for slide joints."""
 
 
 class Band(NamedTuple):
@@ -53,9 +43,10 @@ class Judgement:
         joint: its name; empty where the figure is not of a joint.
         unit: of the numbers.
         band: what passes.
-        found: in the motion's last whole cycle; None if the run did not reach it.
+        found: in the motion's last whole cycle; None if there is none.
         history: the figure in each whole cycle of the motion (cycles,); of cycles_to_optimum
             torque² as a multiple of the optimum's.
+        why: there is none; else empty.
     """
 
     key: str
@@ -66,6 +57,7 @@ class Judgement:
     band: Band
     found: float | str | None
     history: np.ndarray
+    why: str = ""
 
     @property
     def passed(self) -> bool:
@@ -105,31 +97,57 @@ def _status(run: Run, key: str, motion: int, expected: Status) -> Judgement:
     return Judgement(key, motion, "status", "", "", words, str(found), np.empty(0))
 
 
-def _of_motion(run: Run, key: str, motion: int, expect: OfMotion) -> Iterator[Judgement]:
-    data = run.data
-    history, best = histories.of_motion(data, motion), histories.optimum(data, motion)
-    near = _near(run, motion)
-    names = data["joint"].values.tolist()
+def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Judgement]:
+    motion, slides = run.motions[number - 1], run.data["slides"].values
+    names, near = run.data["joint"].values.tolist(), _near(motion)
     for figure, expected in expect.figures().items():
-        where = f"{key}.{figure}", motion, figure
-        hinge, slide = UNITS[figure]
-        if figure in PER_JOINT:
-            for row, joint in enumerate(expected.joints or names):
-                j = names.index(joint)
-                unit = slide if data["slides"].values[j] else hinge
-                band = _band(_of_joint(expected, row), best[figure][j], near[figure][j])
-                course = history[figure][:, j]
-                yield Judgement(*where, joint, unit, band, _last(course), course)
-        elif figure == "cycles_to_optimum":
-            reached = run.motions[motion - 1].cycles_to_optimum
-            course = history["torque_squared_of_optimum"]
-            yield Judgement(*where, "", hinge, _band(expected), reached, course)
-        else:
-            band = _band(expected, best.get(figure), near.get(figure))
-            yield Judgement(*where, "", hinge, band, _last(history[figure]), history[figure])
+        course = _course(motion, figure)
+        unit = VARIABLES[figure].units.replace("1", "") if figure in VARIABLES else ""
+        best = getattr(motion, f"{figure}_optimal") if figure in WITH_OPTIMUM else None
+        joints = expected.joints or names if figure in PER_JOINT else [""]
+        for row, joint in enumerate(joints):
+            j = names.index(joint) if joint else ...
+            of = course[:, j] if joint else course
+            found = motion.cycles_to_optimum if figure == "cycles_to_optimum" else _last(of)
+            yield Judgement(
+                key=f"{key}.{figure}",
+                motion=number,
+                figure=figure,
+                joint=joint,
+                unit=OF_SLIDES.get(unit, unit) if joint and slides[j] else unit,
+                band=_band(_of_joint(expected, row), best, near.get(figure), j),
+                found=found,
+                history=of,
+                why=_why_none(motion, figure) if found is None else "",
+            )
 
 
-def _near(run: Run, motion: int) -> dict[str, Any]:
+def _course(motion: MotionOfRun, figure: str) -> np.ndarray:
+    """A figure in each whole cycle of a motion (C,) or (C, n)."""
+    if figure != "cycles_to_optimum":
+        return np.asarray(getattr(motion, figure))
+    squared, best = motion.torque_squared, motion.torque_squared_optimal
+    return squared / best if best > 0 else np.full(len(squared), np.nan)
+
+
+def _last(course: np.ndarray) -> float | None:
+    return float(course[-1]) if len(course) and not np.isnan(course[-1]) else None
+
+
+def _why_none(motion: MotionOfRun, figure: str) -> str:
+    """Why there is no such figure of a motion."""
+    if not len(motion.cycles):
+        return "the run ended before a cycle of this motion was whole"
+    if not motion.torque_squared_without_springs > 0:
+        return "the motion needs no torque without springs"
+    if figure == "torque_share":
+        return "no spring helps: the best ones leave the torque² that there is without any"
+    if not motion.torque_squared_optimal > 0:
+        return "the best springs leave no torque, and no cycle is within 5 % of none"
+    return "the last cycle is not within 5 % of the optimum's torque²"
+
+
+def _near(motion: MotionOfRun) -> dict[str, Any]:
     """Tolerances of what is to be optimal where none is given.
 
     Of stiffness and offset: a hundredth of the optimal one, or what makes a thousandth of the RMS
@@ -137,18 +155,29 @@ def _near(run: Run, motion: int) -> dict[str, Any]:
     and therefore no stiffness to speak of, passes by the second. Of the equilibrium angle: what
     such an offset turns. Of the reduction: what keeps torque² within `OPTIMUM_BAND`.
     """
-    segment = run.data.sel(segment=motion)
-    without = float(segment["torque_squared_without_springs"])
-    torque = OF_TORQUE * math.sqrt(without)
-    k, offset = (np.abs(segment[f"{name}_optimal"].values) for name in ("stiffness", "offset"))
+    torque = OF_TORQUE * math.sqrt(motion.torque_squared_without_springs)
+    k, offset = np.abs(motion.stiffness_optimal), np.abs(motion.offset_optimal)
     push = np.maximum(OF_SPRING * offset, torque)
-    with np.errstate(divide="ignore"):
-        return {
-            "stiffness": np.maximum(OF_SPRING * k, torque / histories.swing(run.data, motion)),
-            "offset": push,
-            "equilibrium": push / k,
-            "torque_reduction": OPTIMUM_BAND * float(segment["torque_squared_optimal"]) / without,
-        }
+    return {
+        "stiffness": np.maximum(OF_SPRING * k, _over(torque, _swing(motion))),
+        "offset": push,
+        "equilibrium": _over(push, k),
+        "torque_reduction": OPTIMUM_BAND * (1 - motion.torque_reduction_optimal),
+    }
+
+
+def _over(of: float | np.ndarray, by: np.ndarray) -> np.ndarray:
+    """A quotient (n,) that is infinite over 0, and 0 of nothing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(of == 0, 0.0, of / by)
+
+
+def _swing(motion: MotionOfRun) -> np.ndarray:
+    """Standard deviation of the joint angles in the last whole cycle that was kept (n,) [rad]."""
+    of = motion.samples["cycle_of_sample"].values
+    whole = of[np.isin(of, motion.cycles)]
+    last = motion.samples["q"].values[of == whole[-1]] if len(whole) else np.empty((0, 0))
+    return last.std(axis=0) if len(whole) else np.full(len(motion.stiffness_optimal), np.nan)
 
 
 def _of_joint(expected: Expected, row: int) -> Expected:
@@ -158,23 +187,26 @@ def _of_joint(expected: Expected, row: int) -> Expected:
     return expected
 
 
-def _band(expected: Expected, best: Any = None, near: Any = None) -> Band:
-    """What passes, with the optimum's value and the tolerance that it has if none is given."""
+def _band(expected: Expected, best: Any, near: Any, j: Any) -> Band:
+    """What passes, with the optimum's value and the tolerance that it has if none is given.
+
+    Args:
+        expected: of one figure and joint.
+        best: of the optimum (n,) or ().
+        near: tolerance where none is given, likewise.
+        j: number of the joint; ... for what has none.
+    """
     if expected.value is None:
         low, high = expected.min, expected.max
         return Band(
             None, False, -math.inf if low is None else low, math.inf if high is None else high
         )
     optimal = expected.value == "optimal"
-    value = float(best) if optimal else float(expected.value)  # type: ignore[arg-type]
+    value = float(np.asarray(best)[j] if optimal else expected.value)  # type: ignore[arg-type]
     if expected.abs is None and expected.rel is None:
-        tolerance = float(near)
+        tolerance = float(np.asarray(near)[j])
     else:
         tolerance = max(expected.abs or 0.0, (expected.rel or 0.0) * abs(value))
-    if not math.isfinite(tolerance):
+    if math.isinf(tolerance):
         return Band(value, optimal, -math.inf, math.inf)
     return Band(value, optimal, value - tolerance, value + tolerance)
-
-
-def _last(course: np.ndarray) -> float | None:
-    return float(course[-1]) if len(course) else None

@@ -22,6 +22,8 @@ def explain(missed: Judgement) -> str:
     """What was found, how far off it is, in which cycle it would have passed, and a plot."""
     band, course = missed.band, missed.history
     lines = [f"{title(missed)}: found {number(missed.found, band)}, expected {wanted(band)}"]
+    if missed.why:
+        lines[0] += f": {missed.why}"
     if missed.figure == "cycles_to_optimum":
         band = Band(1.0, True, 1 - OPTIMUM_BAND, 1 + OPTIMUM_BAND)
         lines[0] += "; torque² / that of the optimum, in each cycle:"
@@ -91,7 +93,7 @@ def expected(band: Band) -> str:
 
 def tolerance(band: Band) -> str:
     """How far from the expected value passes; empty for bounds and words."""
-    if not isinstance(band.expected, float):
+    if not isinstance(band.expected, float) or math.isnan(band.expected):
         return ""
     width = (band.high - band.low) / 2
     return f"{width:.2g}" if math.isfinite(width) else "any"
@@ -99,10 +101,10 @@ def tolerance(band: Band) -> str:
 
 def number(value: float | str | None, band: Band) -> str:
     """A value with as many decimals as the tolerance has two digits for."""
-    if value is None:
-        return "none"
     if isinstance(value, str | int):
         return str(value)
+    if value is None or math.isnan(value):
+        return "none"
     width = (band.high - band.low) / 2
     if math.isfinite(width) and width > 0:
         decimals = max(0, 1 - math.floor(math.log10(width)))

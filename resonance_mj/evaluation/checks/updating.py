@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import difflib
 import math
+import os
 import re
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import tomlkit
 
-from ...errors import ExperimentError
+from ...errors import ExperimentError, OutputError
 from ...files import replacing
 from ...results.run import Run
 from .check import Band, Judgement
@@ -56,14 +58,21 @@ class Update:
         )
 
     def write(self) -> None:
-        """Replace the file, if anything changes.
+        """Replace the file, if anything changes; its owner and mode stay.
 
         Raises:
             OutputError: it cannot be written.
         """
-        if self.after != self.before:
-            with replacing(self.path) as path:
-                path.write_bytes(self.after.encode("utf-8"))
+        if self.after == self.before:
+            return
+        if not os.access(self.path, os.W_OK):
+            raise OutputError(f"{self.path}: may not be written: its mode forbids it")
+        with replacing(self.path) as path:
+            path.write_bytes(self.after.encode("utf-8"))
+            was, now = self.path.stat(), path.stat()
+            if (was.st_uid, was.st_gid) != (now.st_uid, now.st_gid):
+                os.chown(path, was.st_uid, was.st_gid)
+            shutil.copymode(self.path, path)
 
 
 def _with_versions(document: tomlkit.TOMLDocument, versions: Mapping[str, str]) -> str:
@@ -97,7 +106,7 @@ def _rewrite(table: Any, found: list[Judgement], where: str) -> None:
         mine = [one for one in found if one.joint == joint]
         for one in mine:
             if not isinstance(one.found, int | float) or not math.isfinite(one.found):
-                raise ExperimentError(f"{where}: motion {one.motion} found {one.found}: no number")
+                raise ExperimentError(f"{where}: motion {one.motion} has no such number: {one.why}")
         new.append(_one_for_all(table, mine, where))
     old = table["value"]
     if isinstance(old, list):

@@ -16,7 +16,8 @@ from ...errors import ExperimentError
 from ...experiments.experiment import Experiment
 from ...files import replacing, writable
 from ...results import metrics
-from ...results.run import Run, Status
+from ...results.motions import MotionOfRun
+from ...results.run import Run, Status, finite
 from ...simulation.simulation import Progress, simulate_many
 from .contenders import contending
 
@@ -27,19 +28,27 @@ STEADY = 0.05
 """Relative spread of torque² over the second half of a long run up to which it counts as held."""
 
 
+OF_SUMMARY = (
+    "torque_reduction", "torque_reduction_optimal", "cycles_to_optimum", "tracking_rms"
+)  # fmt: skip
+"""What a row has of a run's summary."""
+
+
 class Verdict(NamedTuple):
     """What a long run of the last motion showed."""
 
     diverged: int | None
     """Cycle of the motion in which it diverged, 0 for an earlier motion; None if it did not."""
     lowest: float
-    """Least torque² of the second half, as a multiple of the optimum's."""
+    """Least torque² of the second half, as a multiple of the optimum's; NaN if that is 0."""
     highest: float
     """Greatest torque² of the second half, as a multiple of the optimum's."""
 
     def __str__(self) -> str:
         if self.diverged is not None:
             return f"DIVERGED at {self.diverged}" if self.diverged else "DIVERGED before"
+        if np.isnan(self.lowest):
+            return "the optimum needs no torque"
         band = metrics.OPTIMUM_BAND
         if 1 - band <= self.lowest and self.highest <= 1 + band:
             return "holds the optimum"
@@ -67,13 +76,14 @@ class Comparison:
     def rows(self) -> list[dict[str, Any]]:
         """A dict per law and motion, of the motion's last cycle.
 
-        law, title, motion, torque_reduction, torque_reduction_optimal, share (of the possible
-        reduction), cycles_to_optimum, tracking_rms [m], peak_torque (the highest of any joint)
-        [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J], status, and
-        long_run in the last motion's. None for what a run that diverged did not reach.
+        law, title, motion, share (of the possible reduction), torque_reduction,
+        torque_reduction_optimal, cycles_to_optimum, tracking_rms [m], peak_torque (the highest of
+        any joint) [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J],
+        status, and long_run in the last motion's. None for what a run that diverged did not reach,
+        and for a share of nothing.
         """
         return [
-            {"law": name, "title": title, **figures}
+            finite({"law": name, "title": title, **figures})
             for name, title in self.titles.items()
             for figures in self._of(name)
         ]
@@ -83,12 +93,13 @@ class Comparison:
         if name not in self.long:
             return None
         run = self.long[name]
-        last = run.data["segment"].values[-1]
-        mine = run.data.sel(segment=last, cycle=run.data["segment_of_cycle"] == last)
-        ratio = (mine["torque_squared"] / mine["torque_squared_optimal"]).values
+        motion = run.motions[-1]
         if run.status is Status.DIVERGED:
-            return Verdict(len(ratio) + _fell(run) if len(ratio) else 0, np.inf, np.inf)
-        second = ratio[len(ratio) // 2 :]
+            before = sum(one.cycles for one in run.experiment.motion[:-1])
+            return Verdict(max(0, _ended_in(run) - before), np.inf, np.inf)
+        if not motion.torque_squared_optimal > 0:
+            return Verdict(None, np.nan, np.nan)
+        second = motion.torque_squared[len(motion.cycles) // 2 :] / motion.torque_squared_optimal
         return Verdict(None, float(second.min()), float(second.max()))
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
@@ -121,20 +132,15 @@ class Comparison:
 
     def _of(self, name: str) -> list[dict[str, Any]]:
         run, verdict = self.runs[name], self.verdict(name)
-        segments = run.summary()["segments"]
         found = []
-        for number, one in enumerate(segments, start=1):
-            reduction, possible = one["torque_reduction"], one["torque_reduction_optimal"]
-            last = number == len(segments)
+        for motion in run.motions:
+            share, last = motion.torque_share, motion is run.motions[-1]
             found.append(
                 {
-                    "motion": number,
-                    "torque_reduction": reduction,
-                    "torque_reduction_optimal": possible,
-                    "share": None if reduction is None else reduction / possible,
-                    "cycles_to_optimum": one["cycles_to_optimum"],
-                    "tracking_rms": one["tracking_rms"],
-                    **_effort(run, number),
+                    "motion": motion.number,
+                    "share": share[-1].item() if len(share) else None,
+                    **{key: motion.summary()[key] for key in OF_SUMMARY},
+                    **_effort(run, motion),
                     "status": str(run.status),
                     "long_run": str(verdict) if verdict and last else None,
                 }
@@ -188,21 +194,21 @@ def _lengthened(experiment: Experiment, cycles: int) -> Experiment:
     )
 
 
-def _effort(run: Run, segment: int) -> dict[str, float | None]:
+def _effort(run: Run, motion: MotionOfRun) -> dict[str, float | None]:
     """Peak torque [N m] and energy [J] of the motors in the last cycle of a motion."""
-    data, experiment = run.data, run.experiment
-    motion = experiment.motion[segment - 1]
-    last = sum(one.cycles for one in experiment.motion[:segment])
-    cycle = data.sel(time=data["cycle_of_sample"] == last)
-    if cycle.sizes["time"] < motion.steps(experiment.simulation.timestep):
+    planned = run.experiment.motion[motion.number - 1].cycles
+    if len(motion.cycles) < planned:
         return {"peak_torque": None, "energy": None}
-    power = np.abs(cycle["tau"].values * cycle["dq"].values).sum(axis=1)
+    samples = motion.samples
+    last = samples.isel(time=samples["cycle_of_sample"].values == motion.cycles[-1])
+    power = np.abs(last["tau"].values * last["dq"].values).sum(axis=1)
     return {
-        "peak_torque": float(np.abs(cycle["tau"].values).max()),
-        "energy": float(power.sum() * experiment.simulation.timestep),
+        "peak_torque": float(np.abs(last["tau"].values).max()),
+        "energy": float(power.sum() * run.experiment.simulation.timestep),
     }
 
 
-def _fell(run: Run) -> bool:
-    """Whether a run ended within a cycle."""
-    return int(run.data["cycle_of_sample"].values[-1]) > run.data.sizes["cycle"]
+def _ended_in(run: Run) -> int:
+    """The cycle in which a run ended, counted from 1: the last whole one, or one more."""
+    whole, of = run.data.sizes["cycle"], run.data["cycle_of_sample"].values
+    return whole if len(of) and of[-1] <= whole else whole + 1

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from ...errors import PictureError
+from ...text import nearest, shown
 from .sizes import PAGE
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class Entry:
         caption: what is shown and how to read it.
         needs: what each run must have: `SAMPLES`, `CYCLE` or `RECORDED_CYCLE`.
         several: whether it draws several runs in one figure; if not, it draws one.
-        file: stem of the files that it is saved as; `name` if empty.
+        stem: of the files that it is saved as; `name` if empty.
     """
 
     name: str
@@ -40,12 +41,7 @@ class Entry:
     caption: str
     needs: str
     several: bool = False
-    file: str = ""
-
-    @property
-    def stem(self) -> str:
-        """Name of the files that it is saved as, without their suffix."""
-        return self.file or self.name
+    stem: str = ""
 
     def lacks(self, runs: Sequence[Run]) -> str:
         """Why it cannot be drawn of some runs, in words; empty if it can."""
@@ -71,10 +67,14 @@ class Entry:
         Raises:
             PictureError: it cannot be drawn of these runs.
         """
+        from .style import styled
+
         lacks = self.lacks(runs)
         if lacks:
             raise PictureError(f"figure {self.name}: {lacks}")
-        drawn: Figure = import_module(f".{self.name}", __package__).draw(runs, width)
+        module = import_module(f".{self.name}", __package__)
+        with styled():
+            drawn: Figure = module.draw(runs if self.several else runs[0], width)
         return drawn
 
 
@@ -86,7 +86,7 @@ FIGURES = (
         "offset torque with their optimum, motor torque with the optimum's, and torque² per cycle. "
         "Grey bands leave out cycles in which little happens.",
         needs=SAMPLES,
-        file="figure",
+        stem="figure",
     ),
     Entry(
         name="cycles",
@@ -145,8 +145,10 @@ def named(name: str) -> Entry:
     for entry in FIGURES:
         if entry.name == name:
             return entry
-    names = ", ".join(entry.name for entry in FIGURES)
-    raise PictureError(f"figure {name!r} is unknown; there are {names}")
+    names = [entry.name for entry in FIGURES]
+    raise PictureError(
+        f"figure {shown(name)} is unknown{nearest(name, names)}; there are {', '.join(names)}"
+    )
 
 
 def _has(run: Run, needs: str) -> bool:

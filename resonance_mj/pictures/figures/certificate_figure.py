@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from ...evaluation.certificates.claims import ROUNDING, Certificate, Certificates
-from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL, SERIES
+from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
 from .sheet import Row, Sheet
 from .sizes import PAGE
-from .style import SMALL, STYLE
-
-FAILING = OPTIMAL
+from .style import SMALL, one_of, styled
+from .ticks import counted, even, logarithmic
 
 NARROW = 2.4
 """Width of a motion's column, at the least [in]."""
@@ -23,6 +20,7 @@ NOTHING = 1e-17
 """Where exactly nothing is drawn on a logarithmic axis."""
 
 
+@styled()
 def figure(found: Certificates, width: float = PAGE) -> Figure:
     """A column for each motion that was reached; cycles that fail are marked.
 
@@ -30,42 +28,44 @@ def figure(found: Certificates, width: float = PAGE) -> Figure:
         found: from `certify`.
         width: of the figure [in].
     """
-    rows = [found.of(equation) for equation in ("(11)", "(15)", "(22)")]
+    rows = [found.of(equation) for equation in DRAWINGS]
     columns = list(zip(*rows, strict=True))
     reached = [column for column in columns if any(item.cycles.size for item in column)] or columns
-    width = max(width, NARROW * len(reached))
-    with matplotlib.rc_context(STYLE):
-        sheet = Sheet(
-            width,
-            [Row(1.3, 0.34, 0.34)] * len(rows),
-            len(reached),
-            heading=f"{found.name}: certificates of the stability proof",
-        )
-        for column, items in enumerate(reached):
-            for row, (item, draw) in enumerate(zip(items, DRAWINGS, strict=True)):
-                ax = sheet.panel(row, column)
-                ax.set_title(f"{item.claim.equation} motion {item.motion}: ", pad=14)
-                if item.note:
-                    _say(ax, item.note)
-                else:
-                    draw(ax, item, found)
-                    _finish(ax, item)
+    sheet = Sheet(
+        max(width, NARROW * len(reached)),
+        [Row(1.3, 0.34, 0.34)] * len(rows),
+        len(reached),
+        heading=f"{found.name}: certificates of the stability proof",
+        legend={name: one_of(joint) for joint, name in enumerate(found.joints)},
+        lettered=False,
+    )
+    for column, items in enumerate(reached):
+        for row, (item, (what, draw)) in enumerate(zip(items, DRAWINGS.values(), strict=True)):
+            title = "not judged" if item.note else what.format(found.unit)
+            ax = sheet.panel(row, column, f"{item.claim.equation} motion {item.motion}: {title}")
+            ax.set_title(ax.get_title(loc="left"), pad=14)  # above a legend
+            if item.note:
+                ax.set(xticks=[], yticks=[])
+                ax.text(0.5, 0.5, item.note, color=NOTE, ha="center", transform=ax.transAxes)
+            else:
+                draw(ax, item, found)
+                counted(ax)
+                ax.set_xlim(item.cycles[0] - 1, item.cycles[-1] + 1)
+                if ax.get_legend_handles_labels()[0]:
+                    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=8)
     return sheet.figure
 
 
 def _orthogonality(ax: Axes, item: Certificate, found: Certificates) -> None:
-    _title(ax, "share left over [1]")
     values = np.maximum(item.values, NOTHING)
-    for joint, name in enumerate(found.joints):
-        colour = SERIES[joint % len(SERIES)]
-        ax.plot(item.cycles, values[:, joint], ".-", ms=3, color=colour, label=name)
+    for joint in range(len(found.joints)):
+        ax.plot(item.cycles, values[:, joint], marker=".", ms=3, **one_of(joint))
     ax.axhline(ROUNDING, color=DESIRED, linestyle="--")
-    ax.set_yscale("log")
+    logarithmic(ax)
     _mark(ax, item, values.max(axis=1), "fails")
 
 
 def _passivity(ax: Axes, item: Certificate, found: Certificates) -> None:
-    _title(ax, f"c₇ [{found.unit}]")
     ax.plot(item.cycles, item.values, ".-", ms=3, color=MEASURED)
     ax.axhline(0, color=DESIRED, linestyle="--")
     ax.axhline(found.enough, color=MUTED, linestyle=":", label=f"N falls above {found.enough:.3g}")
@@ -79,58 +79,28 @@ def _passivity(ax: Axes, item: Certificate, found: Certificates) -> None:
             (0.2, 0.92),
             xycoords="axes fraction",
             va="center",
-            color=MUTED,
+            color=NOTE,
             fontsize=SMALL,
         )
+    even(ax)
     _mark(ax, item, item.values, "fails")
 
 
 def _decrease(ax: Axes, item: Certificate, found: Certificates) -> None:
-    _title(ax, "N [J]")
     ax.plot(item.cycles, item.values, ".-", ms=3, color=MEASURED)
-    ax.set_yscale("log")
-    decades = np.log10(item.values.max() / item.values.min())
-    if decades < 3:
-        subs = (1.0, 2.0, 5.0) if decades < 2 else (1.0,)
-        ax.yaxis.set_major_locator(LogLocator(subs=subs))
-        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.yaxis.set_minor_formatter(NullFormatter())
+    logarithmic(ax)
     _mark(ax, item, item.values, "grows from here")
 
 
-DRAWINGS = (_orthogonality, _passivity, _decrease)
-
-
-def _title(ax: Axes, what: str) -> None:
-    ax.set_title(ax.get_title(loc="left") + what, pad=14)
+DRAWINGS = {
+    "(11)": ("share left over [1]", _orthogonality),
+    "(15)": ("c₇ [{}]", _passivity),
+    "(22)": ("N [J]", _decrease),
+}
+"""What is drawn of each equation, in which unit."""
 
 
 def _mark(ax: Axes, item: Certificate, values: np.ndarray, label: str) -> None:
     if item.fails.any():
         at = item.cycles[item.fails], values[item.fails]
-        ax.plot(*at, "o", ms=3.5, color=FAILING, label=label)
-
-
-def _finish(ax: Axes, item: Certificate) -> None:
-    ax.set_xlabel("cycle", labelpad=1)
-    ax.set_xlim(item.cycles[0] - 1, item.cycles[-1] + 1)
-    ax.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10], integer=True))
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(
-            loc="lower left",
-            bbox_to_anchor=(0.0, 1.0),
-            ncols=8,
-            borderaxespad=0.1,
-            borderpad=0.1,
-            handlelength=1.5,
-            handletextpad=0.5,
-            columnspacing=1.0,
-        )
-
-
-def _say(ax: Axes, note: str) -> None:
-    """An empty panel that says why it is."""
-    _title(ax, "not judged")
-    ax.set_xticks([])
-    ax.set_yticks([])
-    ax.text(0.5, 0.5, note, ha="center", va="center", color=MUTED, transform=ax.transAxes)
+        ax.plot(*at, "o", ms=3.5, color=OPTIMAL, label=label)

@@ -1,19 +1,20 @@
-"""Panels over the cycles of a run: where its motions change, and torque² beside its bounds."""
+"""Panels over the cycles of a run: where its motions change, torque² beside its bounds, errors."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 
 from ...experiments.experiment import Experiment
+from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run, Status
-from ..palette import MEASURED, MUTED, OPTIMAL
-from .style import LABEL_BOX, SMALL, breadth, counted, logarithmic
-from .text import fitting
+from ..palette import MUTED, NOTE
+from .measuring import fitting
+from .style import LABEL_BOX, LINES, SMALL
+from .ticks import breadth, counted, logarithmic
 
 
 def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
@@ -37,7 +38,7 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
                 xycoords=("data", "axes fraction"),
                 ha="center",
                 va="top",
-                color=MUTED,
+                color=NOTE,
                 fontsize=SMALL,
             )
         first += motion.cycles
@@ -45,52 +46,80 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
     counted(ax)
 
 
-def curve(ax: Axes, run: Run, values: np.ndarray, **style: Any) -> None:
+def curve(
+    ax: Axes, run: Run, values: np.ndarray, cycles: np.ndarray | None = None, **style: Any
+) -> None:
     """Draw a value of each whole cycle (cycles,); a cross marks where the run diverged."""
-    cycles = run.data["cycle"].values
+    cycles = run.data["cycle"].values if cycles is None else cycles
     (line,) = ax.plot(cycles, values, **{"marker": ".", "ms": 3.5, **style})
     if run.status is Status.DIVERGED:
         ax.plot(cycles[-1:], values[-1:], "x", color=line.get_color(), ms=6, mew=1.5)
 
 
+def errors(runs: Sequence[Run]) -> dict[str, list[np.ndarray]]:
+    """The tool's errors by their panels' titles, each run's (cycles,); NaN for one without."""
+    found = {}
+    for title, name, scale in (
+        ("tracking RMS of the tool's position [mm]", "tracking_rms", 1e3),
+        ("tracking RMS of the tool's rotation [rad]", "rotation_rms", 1.0),
+    ):
+        if any(name in run.data for run in runs):
+            none = [np.full(run.data.sizes["cycle"], np.nan) for run in runs]
+            found[title] = [
+                scale * run.data[name].values if name in run.data else other
+                for run, other in zip(runs, none, strict=True)
+            ]
+    return found
+
+
+def torque_squared_title(run: Run) -> str:
+    """Of the panel `torque_squared`, with the unit, whose terms differ from joint to joint."""
+    slides = run.data["slides"].values.astype(bool)
+    unit = "N²" if slides.all() else "N² m² + N²" if slides.any() else "N² m²"
+    return f"mean of τᵀτ per cycle [{unit}]"
+
+
 def torque_squared(ax: Axes, run: Run) -> None:
-    """Torque² of each cycle, with the optimum's and that without springs of each motion."""
-    data = run.data
-    for mine, one in of_motions(data):
-        ends = (mine[0] - 0.5, mine[-1] + 0.5)
-        without = float(one["torque_squared_without_springs"])
-        ax.hlines(without, *ends, color=MUTED, linestyle=":")
-        ax.hlines(float(one["torque_squared_optimal"]), *ends, color=OPTIMAL, linestyle="--")
-    curve(ax, run, data["torque_squared"].values, color=MEASURED)
-    if not data.sizes["cycle"]:
-        ax.text(0.5, 0.5, "no whole cycle", ha="center", color=MUTED, transform=ax.transAxes)
-        return
-    logarithmic(ax)
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high * (high / low) ** 0.15)  # room for words at the line without springs
+    """Torque² of each cycle, with the optimum's and that without springs of each motion.
 
-
-def reductions(ax: Axes, data: xr.Dataset) -> None:
-    """Write at the line without springs by how much less torque² each motion ended.
-
-    Args:
-        ax: whose abscissa has its limits.
-        data: `Run.data`.
+    At the line without springs stands by how much less each motion ended.
     """
-    width = breadth(ax)
-    cycles = ax.get_xlim()[1] - ax.get_xlim()[0]
-    for mine, one in of_motions(data):
-        without = float(one["torque_squared_without_springs"])
-        optimal = float(one["torque_squared_optimal"])
-        last = float(data["torque_squared"].sel(cycle=mine[-1]))
-        best = f"{1 - optimal / without:.1%}"
-        wordings = [f"{1 - last / without:.1%} less than without springs (optimum {best} less)"]
-        if last > without:
-            wordings = [f"{last / without:.3g} times that without springs (optimum {best} less)"]
-        wordings += [f"{1 - last / without:.1%} less (of {best})", f"{1 - last / without:.1%}"]
+    for motion in run.motions:
+        if motion.cycles.size:
+            ends = motion.cycles[0] - 0.5, motion.cycles[-1] + 0.5
+            without, best = motion.torque_squared_without_springs, motion.torque_squared_optimal
+            ax.hlines(without, *ends, **LINES["without springs"])
+            if best > LEAST_REDUCTION * without:  # the rounding of none at all has no height
+                ax.hlines(best, *ends, **LINES["with optimal springs"])
+    curve(ax, run, run.data["torque_squared"].values, **LINES["measured"])
+    logarithmic(ax)
+    if ax.get_yscale() == "log":
+        low, high = ax.get_ylim()
+        ax.set_ylim(low, high * (high / low) ** 0.15)  # room for words at the line without springs
+    motions(ax, run.experiment)
+    _reductions(ax, run)
+
+
+def _reductions(ax: Axes, run: Run) -> None:
+    width = breadth(ax) / (ax.get_xlim()[1] - ax.get_xlim()[0])
+    for motion in run.motions:
+        if not motion.cycles.size:
+            continue
+        share, best = float(motion.torque_reduction[-1]), motion.torque_reduction_optimal
+        of = f"optimum {best:.1%} less" if best > LEAST_REDUCTION else "no spring helps"
+        if np.isnan(share):
+            wordings = ["needs no torque without springs", "needs no torque"]
+        elif share < 0:
+            wordings = [f"{1 - share:.3g} times that without springs ({of})", f"{1 - share:.3g} ×"]
+        else:
+            wordings = [
+                f"{share:.1%} less than without springs ({of})",
+                f"{share:.1%} less ({of.replace('optimum', 'of').removesuffix(' less')})",
+                f"{share:.1%}",
+            ]
         ax.annotate(
-            fitting(wordings, SMALL, width * mine.size / cycles - 0.06),
-            (mine[-1] + 0.5, without),
+            fitting(wordings, SMALL, width * motion.cycles.size - 0.06),
+            (motion.cycles[-1] + 0.5, motion.torque_squared_without_springs or ax.get_ylim()[0]),
             xytext=(-2, 3),
             textcoords="offset points",
             ha="right",
@@ -100,15 +129,9 @@ def reductions(ax: Axes, data: xr.Dataset) -> None:
 
 
 def ratio(run: Run) -> np.ndarray:
-    """Torque² of each cycle as a multiple of the optimum's of its motion (cycles,)."""
-    optimal = run.data["torque_squared_optimal"].sel(segment=run.data["segment_of_cycle"])
-    return np.asarray(run.data["torque_squared"].values / optimal.values)
-
-
-def of_motions(data: xr.Dataset) -> Iterator[tuple[np.ndarray, xr.Dataset]]:
-    """The whole cycles of each motion that was reached, and what is known of it."""
-    cycles, segment = data["cycle"].values, data["segment_of_cycle"].values
-    for number in data["segment"].values:
-        mine = cycles[segment == number]
-        if mine.size:
-            yield mine, data.sel(segment=number)
+    """Torque² of each cycle as a multiple of the optimum's (cycles,); NaN where that is 0."""
+    best = np.concatenate(
+        [np.full(motion.cycles.size, motion.torque_squared_optimal) for motion in run.motions]
+    )
+    squared = run.data["torque_squared"].values
+    return np.divide(squared, best, out=np.full(squared.shape, np.nan), where=best > 0)

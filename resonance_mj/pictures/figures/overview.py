@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import matplotlib
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...results.run import Run
-from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL
+from ...text import minus, of_joint
+from ..palette import NOTE
 from . import cycle_axis
-from .naming import heading, letters, of_joint, torque_squared_unit
-from .sheet import Row, Sheet
-from .sizes import PAGE
-from .style import FONT, LABEL_BOX, LINES, SMALL, STYLE, breadth, plain
-from .text import alike, fitting, naming
+from .measuring import fitting
+from .sheet import Row, Sheet, abscissa_of_the_panel_below, heading
+from .style import LABEL_BOX, LINES, SMALL
+from .ticks import breadth, even
 from .windows import Windows
 
 TITLES = {
@@ -29,61 +25,48 @@ TITLES = {
 }
 """Wordings from long to short."""
 
+BESIDE = {"x": ("x_desired", "desired"), "tau": ("tau_optimal", "with optimal springs")}
+"""What is drawn beside a signal, and as which line."""
+
 SIDE_BY_SIDE = 1.5
 """Width below which panels are not drawn three in a row [in]."""
 
 
-def draw(runs: Sequence[Run], width: float = PAGE) -> Figure:
+def draw(run: Run, width: float) -> Figure:
     """Tool position, stiffness, offset torque, motor torque and torque², beside the optimum.
 
     Signals that repeat with the motion are shown where something happens: at the start, around
     each change of motion and at the end.
 
     Args:
-        runs: one run with at least one recorded sample.
+        run: with at least one recorded sample.
         width: of the figure [in].
     """
-    (run,) = runs
-    with matplotlib.rc_context(STYLE):
-        return _draw(run, width)
-
-
-def _draw(run: Run, width: float) -> Figure:
     data = run.data
     axes, joints = data["axis"].values.tolist(), data["joint"].values.tolist()
     places, rows, columns = _places(len(axes), len(joints), width)
     sheet = Sheet(width, rows, columns, heading=heading(run), legend=LINES)
-    windows = Windows(data)
-    names = letters()
-    for (name, index), (row, column) in places.items():
-        ax = sheet.panel(row, column)
-        of = axes[index] if name == "x" else joints[index]
-        slides = name != "x" and bool(data["slides"].values[index])
-        kind = "rotation" if name == "x" and of.startswith("r") else name
-        wordings = alike(TITLES[kind], axes if name == "x" else joints, FONT, sheet.room)
-        letter = next(names)
-        sheet.title(ax, *naming((f"({letter}) {of_joint(each, slides)}" for each in wordings), of))
-        one = data.sel(axis=of) if name == "x" else data.sel(joint=of)
-        if name == "x":
-            windows.plot(ax, data, one["x"], MEASURED, "-")
-            windows.plot(ax, data, one["x_desired"], DESIRED, "--")
-            windows.label(ax)
-        elif name == "tau":
-            windows.plot(ax, data, one["tau"], MEASURED, "-")
-            windows.plot(ax, data, one["tau_optimal"], OPTIMAL, "--")
-            windows.label(ax)
-            _steady_limits(ax, data, one, of_joint("N m", slides))
+    windows = Windows(run)
+    for (name, i), (row, column) in places.items():
+        names = axes if name == "x" else joints
+        slides = name != "x" and bool(data["slides"].values[i])
+        kind = "rotation" if name == "x" and names[i].startswith("r") else name
+        wordings = (of_joint(one, slides) for one in sheet.alike(TITLES[kind], names))
+        ax = sheet.panel(row, column, *wordings, name=names[i])
+        if name in ("stiffness", "offset"):
+            _against_optimum(ax, run, name, i)
         else:
-            _against_optimum(ax, one, name)
-        plain(ax)
-        if rows[row].below < Row(0).below:  # the abscissa is that of the panel below
-            ax.set_xlabel("")
-            ax.tick_params(labelbottom=False)
-    ax = sheet.panel(len(rows) - 1, 0, columns)
-    sheet.title(ax, f"({next(names)}) mean of τᵀτ per cycle [{torque_squared_unit(data)}]")
+            beside, line = BESIDE[name]
+            windows.plot(ax, data[name].values[:, i], **LINES["measured"])
+            windows.plot(ax, data[beside].values[:, i], **LINES[line])
+            windows.label(ax)
+        if name == "tau":
+            _steady_limits(ax, run, i, of_joint("N m", slides))
+        even(ax)
+        if rows[row].below < Row(0).below:
+            abscissa_of_the_panel_below(ax)
+    ax = sheet.panel(len(rows) - 1, 0, cycle_axis.torque_squared_title(run), span=columns)
     cycle_axis.torque_squared(ax, run)
-    cycle_axis.motions(ax, run.experiment)
-    cycle_axis.reductions(ax, data)
     return sheet.figure
 
 
@@ -110,43 +93,41 @@ def _places(
         for name in ("x", *per_joint):
             many = axes if name == "x" else joints
             places |= {(name, i): (len(rows) + i // columns, i % columns) for i in range(many)}
-            tall = 1.0 if name in ("x", "tau") else 0.8
-            rows += [Row(tall)] * -(-many // columns)
+            rows += [Row(1.0 if name in ("x", "tau") else 0.8)] * -(-many // columns)
     return places, [*rows, Row(1.1)], columns
 
 
-def _steady_limits(ax: Axes, data: xr.Dataset, one: xr.Dataset, unit: str) -> None:
+def _against_optimum(ax: Axes, run: Run, name: str, joint: int) -> None:
+    """An adapted parameter over the whole run, with its optimum dashed."""
+    time, values = run.data["time"].values, run.data[name].values[:, joint]
+    keep = slice(None, None, max(1, time.size // 1000))
+    ax.plot(time[keep], values[keep], **LINES["measured"])
+    best, starts, ends = (run.data[key].values for key in (f"{name}_optimal", "start", "end"))
+    ax.hlines(best[:, joint], starts, ends, **LINES["with optimal springs"])
+    ax.set_xlim(0, ends[-1])
+    ax.set_xlabel("time [s]")
+
+
+def _steady_limits(ax: Axes, run: Run, joint: int, unit: str) -> None:
     """Scale an axis to the motion's own torque; a peak at its start or change is said in words."""
-    signals = one["tau"].values, one["tau_optimal"].values
-    cycle = data["cycle_of_sample"].values
-    segment = data["segment_of_cycle"].values
-    first = np.flatnonzero(np.diff(segment, prepend=0)) + 1
-    steady = ~np.isin(cycle, np.concatenate([first, first + 1])) & (cycle <= len(segment))
+    data, whole = run.data, run.data.sizes["cycle"]
+    torque, best = data["tau"].values[:, joint], data["tau_optimal"].values[:, joint]
+    begin = [number for motion in run.motions for number in motion.cycles[:2]]
+    steady = ~np.isin(data["cycle_of_sample"], begin) & (data["cycle_of_sample"].values <= whole)
     if not steady.any():
         return
-    high = max(float(signal[steady].max()) for signal in signals)
-    low = min(float(signal[steady].min()) for signal in signals)
+    usual = torque[steady], best[steady]
+    low, high = float(np.min(usual)), float(np.max(usual))
     margin = 0.25 * max(high - low, 1e-9)
     ax.set_ylim(low - margin, high + margin)
-    largest = int(np.argmax(np.abs(signals[0])))
-    peak, when = signals[0][largest], data["time"].values[largest]
-    if not low - margin <= peak <= high + margin:
-        said = f"peak {peak:.3g} {unit}".replace("-", "−")
+    largest = int(np.argmax(np.abs(torque)))
+    if not low - margin <= torque[largest] <= high + margin:
+        said = minus(f"peak {torque[largest]:.3g} {unit}")
         ax.annotate(
-            fitting([f"{said} at {when:.2f} s", said], SMALL, breadth(ax)),
+            fitting([f"{said} at {data['time'].values[largest]:.2f} s", said], SMALL, breadth(ax)),
             (0.01, 0.03),
             xycoords="axes fraction",
-            color=MUTED,
+            color=NOTE,
             fontsize=SMALL,
             bbox=LABEL_BOX,
         )
-
-
-def _against_optimum(ax: Axes, one: xr.Dataset, name: str) -> None:
-    """An adapted parameter over the whole run, with its optimum dashed."""
-    keep = slice(None, None, max(1, one.sizes["time"] // 1000))
-    ax.plot(one["time"].values[keep], one[name].values[keep], color=MEASURED)
-    optimal, starts, ends = (one[key].values for key in (f"{name}_optimal", "start", "end"))
-    ax.hlines(optimal, starts, ends, color=OPTIMAL, linestyle="--")
-    ax.set_xlim(0, ends[-1])
-    ax.set_xlabel("time [s]")

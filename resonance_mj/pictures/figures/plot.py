@@ -9,8 +9,9 @@ from pathlib import Path
 from ...errors import PictureError
 from ...files import writable
 from ...results.run import Run
+from ...text import shown
 from . import catalogue
-from .sizes import DPI, FORMATS, fine, inches, kinds
+from .sizes import COARSEST, COLUMN, DPI, FINEST, FORMATS, KINDS, NARROWEST, PAGE, WIDEST
 
 
 def plot(
@@ -33,7 +34,7 @@ def plot(
             of several; all that can be drawn of these runs if None.
         formats: any of svg, png and pdf.
         width: column (3.5 in), page (7.16 in), or inches.
-        dpi: pixels per inch of a PNG.
+        dpi: pixels per inch of a PNG; fewer where it would have more than 65 000 along a side.
 
     Returns:
         The files that were written.
@@ -46,12 +47,35 @@ def plot(
     from .saving import save
 
     several = [runs] if isinstance(runs, Run) else list(runs)
-    wide, formats, dpi = inches(width), kinds(formats), fine(dpi)
+    wide = _inches(width)
+    _check(formats, dpi)
     names = list(dict.fromkeys(figures or []))
     chosen = [catalogue.named(name) for name in names] or catalogue.fitting(several)
     if not chosen:
         reasons = "; ".join(f"{one.name} {one.lacks(several)}" for one in catalogue.FIGURES)
         raise PictureError(f"no figure can be drawn: {reasons}")
-    drawn = [(entry.stem, entry.draw(several, wide)) for entry in chosen]
+    drawn = [(entry.stem or entry.name, entry.draw(several, wide)) for entry in chosen]
     folder = writable(folder)
     return [path for stem, each in drawn for path in save(each, folder, stem, formats, dpi)]
+
+
+def _inches(width: str | float) -> float:
+    """A width that a user gave [in]."""
+    try:
+        found = float({"column": COLUMN, "page": PAGE}.get(str(width), width))
+    except (TypeError, ValueError):
+        found = float("nan")
+    if not NARROWEST <= found <= WIDEST:
+        raise PictureError(
+            f"width {shown(width)}: give column, page, or inches from {NARROWEST:g} to {WIDEST:g}"
+        )
+    return found
+
+
+def _check(formats: Sequence[str], dpi: float) -> None:
+    unknown = [kind for kind in formats if kind not in KINDS]
+    if unknown or not formats:
+        what = f"format {shown(unknown[0])} is unknown" if unknown else "no format is given"
+        raise PictureError(f"{what}; there are {', '.join(KINDS)}")
+    if not COARSEST <= dpi <= FINEST:
+        raise PictureError(f"dpi {dpi:g}: give pixels per inch from {COARSEST} to {FINEST}")

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from ...files import replacing
-from ...forking import meanwhile
 from .sizes import DPI, FORMATS
-from .style import STYLE
+from .style import styled
+
+MOST_PIXELS = 65000
+"""Along a side of a PNG; matplotlib draws no more than 65 535."""
 
 
+@styled()
 def save(
     drawn: Figure,
     folder: Path,
@@ -30,7 +32,7 @@ def save(
         folder: that exists.
         name: of the files, without their suffix.
         formats: any of svg, png and pdf.
-        dpi: pixels per inch of a PNG.
+        dpi: pixels per inch of a PNG; fewer where it would have more than matplotlib draws.
 
     Returns:
         The files, in the order of `formats`.
@@ -39,24 +41,9 @@ def save(
         OutputError: a file cannot be written.
     """
     paths = {kind: folder / f"{name}.{kind}" for kind in formats}
-    work = {kind: _writer(kind, drawn, path, dpi) for kind, path in paths.items()}
-    png = work.pop("png", None)
-    if png and work:
-        with meanwhile(png) as done:
-            for write in work.values():
-                write()
-        if not done():
-            png()
-    else:
-        for write in filter(None, (png, *work.values())):
-            write()
-    return list(paths.values())
-
-
-def _writer(kind: str, drawn: Figure, path: Path, dpi: float) -> Callable[[], None]:
-    # Each canvas is told to print itself: Figure.savefig draws everything twice.
-    def write() -> None:
-        with matplotlib.rc_context(STYLE), replacing(path) as beside:
+    for kind, path in paths.items():
+        # Each canvas is told to print itself: Figure.savefig draws everything twice.
+        with replacing(path) as beside:
             if kind == "svg":
                 FigureCanvasSVG(drawn).print_svg(beside, metadata={"Date": None})
             elif kind == "pdf":
@@ -64,7 +51,6 @@ def _writer(kind: str, drawn: Figure, path: Path, dpi: float) -> Callable[[], No
 
                 FigureCanvasPdf(drawn).print_pdf(beside, metadata={"CreationDate": None})
             else:
-                drawn.set_dpi(dpi)
+                drawn.set_dpi(min(dpi, MOST_PIXELS / max(drawn.get_size_inches())))
                 FigureCanvasAgg(drawn).print_png(beside, pil_kwargs={"compress_level": 6})
-
-    return write
+    return list(paths.values())

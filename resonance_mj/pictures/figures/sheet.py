@@ -1,4 +1,4 @@
-"""A figure laid out in inches: heading, legend, and rows of panels.
+"""A figure laid out in inches: heading, legend, and rows of panels with their titles.
 
 Margins are fixed and text is measured beforehand: matplotlib's own layout draws all texts to
 measure them, which takes longer than the simulation.
@@ -6,25 +6,26 @@ measure them, which takes longer than the simulation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from string import ascii_lowercase
 from typing import NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ...results.run import Run
 from ..palette import NOTE
-from .style import FONT, HEADING, SMALL, breadth
-from .text import fitting, width_of, wrapped
+from .measuring import fitting, width_of, wrapped
+from .style import FONT, GAP, HANDLE, HEADING, SMALL, Line
 
 EDGE, RIGHT = 0.08, 0.12
 """Above the heading, and right of the panels [in]."""
 
 TITLE = 0.2
 """Above a panel, for its title [in]."""
-
-HANDLE, GAP = 1.8, 1.4
-"""Length of a legend's line, and space between its columns, in font sizes."""
 
 
 class Row(NamedTuple):
@@ -46,30 +47,34 @@ class Sheet:
         rows: of panels, from above.
         columns: of panels.
         heading: wrapped to the width.
-        legend: handles by what they mean; as many beside each other as there is room for.
+        legend: what each line means, and how it is drawn; as many beside each other as fit.
         left: what numbers and label of an ordinate take [in].
         right: what is left free beside the panels [in].
+        lettered: whether each panel's title begins with a letter.
     """
 
     def __init__(
         self,
         width: float,
         rows: Sequence[Row],
-        columns: int,
+        columns: int = 1,
         *,
         heading: str,
-        legend: Mapping[str, Line2D] | None = None,
+        legend: Mapping[str, Line] | None = None,
         left: float = 0.5,
         right: float = RIGHT,
+        lettered: bool = True,
     ) -> None:
         self._rows, self._left = rows, left
         self._across = (width - columns * left - right) / columns
+        self._beyond = min(left - 0.1, RIGHT - 0.03)  # a title may be wider than its panel
+        self._letters = _letters() if lettered else None
         lines = wrapped(heading, HEADING, width - left - RIGHT)
         entries = _packed(legend or {}, width - left - RIGHT)
-        line, small = 1.35 * HEADING / 72, 1.6 * SMALL / 72
-        words = EDGE + line * len(lines)
+        small = 1.6 * SMALL / 72
+        words = EDGE + 1.35 * HEADING / 72 * len(lines)
         self._top = words + small * len(entries) + 0.04
-        height = self._top + sum(sum(row) for row in rows) + 0.05
+        height = self._top + sum(map(sum, rows)) + 0.05
         self.figure = Figure(figsize=(width, height))
         self.figure.suptitle(
             "\n".join(lines),
@@ -81,56 +86,51 @@ class Sheet:
         )
         for number, row in enumerate(entries):
             self.figure.legend(
-                list(row.values()),
+                [Line2D([], [], **line) for line in row.values()],
                 list(row),
                 loc="upper left",
                 bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * small) / height),
                 ncols=len(row),
-                borderaxespad=0,
-                borderpad=0,
-                handlelength=HANDLE,
-                handletextpad=0.5,
-                columnspacing=GAP,
             )
 
-    def panel(self, row: int, column: int = 0, span: int = 1, down: int = 1) -> Axes:
-        """Axes in a row and a column.
+    def panel(
+        self,
+        row: int,
+        column: int,
+        *wordings: str,
+        name: str = "",
+        notes: Sequence[str] = (),
+        span: int = 1,
+        down: int = 1,
+    ) -> Axes:
+        """Axes with a title above.
 
         Args:
             row: index of the (first) row.
             column: index of the (first) column.
+            wordings: of the title, from long to short, with {} for `name`.
+            name: of what is shown, such as a joint.
+            notes: lines in small letters between title and panel.
             span: columns that it takes.
             down: rows that it takes.
         """
         width, height = self.figure.get_size_inches()
-        above = self._top + sum(sum(each) for each in self._rows[:row]) + self._rows[row].above
-        last = self._rows[row + down - 1]
-        tall = sum(sum(each) for each in self._rows[row : row + down])
-        tall -= self._rows[row].above + last.below
+        above = self._top + sum(map(sum, self._rows[:row])) + self._rows[row].above
+        rows = self._rows[row : row + down]
+        tall = sum(map(sum, rows)) - rows[0].above - rows[-1].below
         left = self._left + column * (self._across + self._left)
         wide = span * self._across + (span - 1) * self._left
-        return self.figure.add_axes(
+        ax = self.figure.add_axes(
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
-
-    @property
-    def room(self) -> float:
-        """Width that every panel has for its title, those at the right edge too [in]."""
-        return self._across + min(self._left - 0.1, RIGHT - 0.03)
-
-    def title(self, ax: Axes, *wordings: str, notes: Sequence[str] = ()) -> None:
-        """Write above a panel, in the longest wording that fits.
-
-        Args:
-            ax: the panel.
-            wordings: from long to short.
-            notes: lines in small letters between title and panel.
-        """
-        room = breadth(ax) + self._left - 0.1  # the gap to the next panel, but for a space
-        right = (1 - float(ax.get_position().x0)) * float(self.figure.get_size_inches()[0])
-        room = min(room, right - 0.03)
+        letter = f"({next(self._letters)}) " if self._letters else ""
+        room = wide + self._beyond
         pitch = 1.35 * SMALL  # of the notes [pt]
-        ax.set_title(fitting(wordings, FONT, room), pad=4 + pitch * len(notes))
+        titles = [letter + wording for wording in wordings]
+        fits = any(width_of(title.replace("{}", name), FONT) <= room for title in titles)
+        size = FONT if fits else SMALL
+        title = fitting(titles, size, room, name)
+        ax.set_title(title, fontsize=size, pad=4 + pitch * len(notes))
         for line, note in enumerate(reversed(notes)):
             ax.annotate(
                 fitting([note], SMALL, room),
@@ -141,17 +141,58 @@ class Sheet:
                 fontsize=SMALL,
                 color=NOTE,
             )
+        return ax
+
+    def alike(self, wordings: Sequence[str], names: Sequence[str]) -> Sequence[str]:
+        """The wordings of a title from the first on that has room for each name.
+
+        Args:
+            wordings: from long to short, with {} for the name.
+            names: in panels of one kind and one column wide, which are to be called alike.
+        """
+        room = self._across + self._beyond
+        for i, wording in enumerate(wordings):
+            titles = (f"(m) {wording.replace('{}', name)}" for name in names)
+            if all(width_of(title, FONT) <= room for title in titles):
+                return wordings[i:]
+        return wordings[-1:]
 
 
-def _packed(legend: Mapping[str, Line2D], room: float) -> list[dict[str, Line2D]]:
+def abscissa_of_the_panel_below(ax: Axes) -> None:
+    """Leave out an abscissa that is that of the panel below."""
+    ax.tick_params(labelbottom=False)
+    ax.set_xlabel("")
+
+
+def heading(run: Run) -> str:
+    """What was run, under which law, and how it ended."""
+    law, motions = run.experiment.law, run.experiment.motion
+    periods = ", ".join(
+        f"{motion.cycles}\u00a0×\u00a0{motion.period:g}\u00a0s" for motion in motions
+    )
+    form = f" (J {law.jacobian})" if law.jacobian else ""
+    return (
+        f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, "
+        f"law {Path(law.kind).stem}{form}, cycles {periods}; {run.status}"
+    )
+
+
+def _letters() -> Iterator[str]:
+    """Letters that name panels: a, b, ..., z, aa, ab, ..."""
+    yield from ascii_lowercase
+    yield from map("".join, product(ascii_lowercase, repeat=2))
+
+
+def _packed(legend: Mapping[str, Line], room: float) -> list[dict[str, Line]]:
     """The entries of a legend in rows, as many in each as there is room for [in]."""
-    rows: list[dict[str, Line2D]] = []
-    size, used = SMALL / 72, room
+    rows: list[dict[str, Line]] = []
+    used, handle, gap = room, (HANDLE + 0.5) * SMALL / 72, GAP * SMALL / 72
     for label, line in legend.items():
-        wide = width_of(label, SMALL) + (HANDLE + 0.5) * size
+        shown = fitting(["{}"], SMALL, room - handle, label)
+        wide = width_of(shown, SMALL) + handle
         if used + wide > room:
             rows.append({})
             used = 0.0
-        rows[-1][label] = line
-        used += wide + GAP * size
+        rows[-1][shown] = line
+        used += wide + gap
     return rows

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-import matplotlib
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from ...results.cycles import Cycle, kept
+from ...results.motions import MotionOfRun
 from ...results.run import Run
 from ...springs import spring as law
-from ..palette import MOTOR, MUTED, OPTIMAL, SPRING_NEGATIVE, SPRING_POSITIVE
-from .naming import heading, letters, of_joint
-from .sheet import Row, Sheet
-from .sizes import PAGE
-from .style import STYLE, abscissa, like, plain
-from .text import naming
+from ...text import minus, of_joint
+from ..palette import DESIRED, MOTOR, MUTED, OPTIMAL, SPRING_NEGATIVE, SPRING_POSITIVE
+from .sheet import Row, Sheet, heading
+from .style import Line
+from .ticks import abscissa, even
 
 NARROW = 1.5
 """Width of the narrowest panel [in]."""
@@ -29,58 +25,55 @@ LEFT = 0.62
 """What numbers and label of an ordinate take [in]."""
 
 POSITIVE, NEGATIVE = "spring and line fitted to it", "the same, k < 0"
-LEGEND = {
-    "needed without springs": Line2D([], [], color=MUTED, linestyle=":", linewidth=1.2),
-    POSITIVE: Line2D([], [], color=SPRING_POSITIVE, linewidth=1.8),
-    NEGATIVE: Line2D([], [], color=SPRING_NEGATIVE, linewidth=1.8),
-    "optimal spring": Line2D([], [], color=OPTIMAL, linestyle="--", linewidth=1.0),
-    "left to the motor": Line2D([], [], color=MOTOR, linewidth=1.0),
+LEGEND: dict[str, Line] = {
+    "needed without springs": {"color": MUTED, "linestyle": ":", "linewidth": 1.2},
+    POSITIVE: {"color": SPRING_POSITIVE, "linewidth": 1.8},
+    NEGATIVE: {"color": SPRING_NEGATIVE, "linewidth": 1.8},
+    "optimal spring": {"color": OPTIMAL, "linestyle": "--"},
+    "left to the motor": {"color": MOTOR},
 }
 
 
-def draw(runs: Sequence[Run], width: float = PAGE) -> Figure:
+def draw(run: Run, width: float) -> Figure:
     """A panel per joint for the last whole cycle of each motion whose samples were kept.
 
     What the motion needs without springs is what spring and motor exerted together.
 
     Args:
-        runs: one run with a whole cycle whose samples were kept.
+        run: with a whole cycle whose samples were kept.
         width: of the figure [in].
     """
-    (run,) = runs
-    data, joints = run.data, run.data["joint"].values.tolist()
+    joints = run.data["joint"].values.tolist()
     last = {cycle.motion: cycle for cycle in kept(run)}
-    found = {i: [exerted_in(cycle, j) for j in range(len(joints))] for i, cycle in last.items()}
-    unseen = NEGATIVE if all(one.stiffness >= 0 for each in found.values() for one in each) else ""
-    legend = {name: line for name, line in LEGEND.items() if name != unseen}
+    found = [
+        (cycle, j, exerted_in(cycle, j)) for cycle in last.values() for j in range(len(joints))
+    ]
+    unseen = NEGATIVE if all(one.stiffness >= 0 for _, _, one in found) else ""
     most = max(1, int(width / (NARROW + LEFT)))
     each = -(-len(joints) // most)  # rows that a motion takes
     columns = -(-len(joints) // each)
-    with matplotlib.rc_context(STYLE):
-        rows = [Row(1.25, 0.34, 0.48)] * (each * len(last))
-        sheet = Sheet(width, rows, columns, heading=heading(run), legend=legend, left=LEFT)
-        names = letters()
-        for index, cycle in enumerate(last.values()):
-            for j, joint in enumerate(joints):
-                row, column = divmod(j, columns)
-                ax = sheet.panel(index * each + row, column)
-                slides = bool(data["slides"].values[j])
-                exerted = found[cycle.motion][j]
-                letter = next(names)
-                sheet.title(
-                    ax,
-                    *naming(
-                        (
-                            f"({letter}) {{}}, motion {cycle.motion + 1}, cycle {cycle.number}",
-                            f"({letter}) {{}}, cycle {cycle.number}",
-                        ),
-                        joint,
-                    ),
-                    notes=list(_found(exerted, slides)),
-                )
-                _loops(ax, exerted, data.isel(joint=j, segment=cycle.motion))
-                ax.set_xlabel("joint position q [m]" if slides else "joint angle q [rad]")
-                ax.set_ylabel("force [N]" if slides else "torque [N m]")
+    sheet = Sheet(
+        width,
+        [Row(1.25, 0.34, 0.48)] * (each * len(last)),
+        columns,
+        heading=heading(run),
+        legend={name: line for name, line in LEGEND.items() if name != unseen},
+        left=LEFT,
+    )
+    for i, (cycle, j, exerted) in enumerate(found):
+        row, column = divmod(j, columns)
+        slides = bool(run.data["slides"].values[j])
+        ax = sheet.panel(
+            i // len(joints) * each + row,
+            column,
+            f"{{}}, motion {cycle.motion + 1}, cycle {cycle.number}",
+            f"{{}}, cycle {cycle.number}",
+            name=joints[j],
+            notes=(spring_in_words(exerted, slides), saved_in_words(exerted, slides)),
+        )
+        _loops(ax, exerted, run.motions[cycle.motion], j)
+        ax.set_xlabel("joint position q [m]" if slides else "joint angle q [rad]")
+        ax.set_ylabel("force [N]" if slides else "torque [N m]")
     return sheet.figure
 
 
@@ -94,9 +87,7 @@ class Exerted(NamedTuple):
     motor: np.ndarray
     """Torque of the motor (N,) [N m]."""
     stiffness: float
-    """Of the line fitted to the spring's torque over the angle [N m/rad]."""
-    equilibrium: float
-    """Where this line is zero [rad]; not finite where it is level."""
+    """Of the line fitted to the spring's torque over the angle [N m/rad]; 0 if it stands still."""
 
     @property
     def still(self) -> bool:
@@ -108,6 +99,10 @@ class Exerted(NamedTuple):
         """What the motion needs in all (N,) [N m]."""
         return self.spring + self.motor
 
+    def line(self, q: np.ndarray) -> np.ndarray:
+        """The line fitted to the spring's torque [N m], at angles (·,) [rad]."""
+        return self.spring.mean() - self.stiffness * (q - self.q.mean())
+
 
 def exerted_in(cycle: Cycle, joint: int) -> Exerted:
     """What spring and motor of a joint exerted in a cycle, and the line through the spring's part.
@@ -117,46 +112,50 @@ def exerted_in(cycle: Cycle, joint: int) -> Exerted:
         joint: index of the joint.
     """
     q = cycle.q[:, joint]
-    k, offset = cycle.stiffness[:, joint], cycle.offset[:, joint]
-    spring = law.torque(k, offset, q, cycle.center[joint])
-    z, level = q - q.mean(), spring.mean()
-    variance = float((z**2).mean())
+    spring = law.torque(cycle.stiffness[:, joint], cycle.offset[:, joint], q, cycle.center[joint])
+    z, variance = q - q.mean(), float(q.var())
     stiffness = -float((z * spring).mean()) / variance if variance > law.STILL else 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        equilibrium = float(q.mean() + level / np.float64(stiffness))
-    return Exerted(q, spring, cycle.tau[:, joint], stiffness, equilibrium)
+    return Exerted(q, spring, cycle.tau[:, joint], stiffness)
 
 
-def _found(exerted: Exerted, slides: bool) -> Iterator[str]:
-    """The spring, and what it took from the motor, in words."""
-    if exerted.still:
-        spring = f"stands still, spring {exerted.spring.mean():.3g} N m"
-    else:
-        angle = exerted.equilibrium
-        where = f"{round(angle, 3) + 0.0:.3f}" if abs(angle) < 1000 else f"{angle:.2g}"
-        spring = f"k {exerted.stiffness:.3g} N m/rad, qₑ {where} rad"
-    yield of_joint(spring, slides).replace("-", "−")
+def spring_in_words(exerted: Exerted, slides: bool) -> str:
+    """What spring it is."""
+    level = exerted.spring.mean()
+    if exerted.still or not exerted.stiffness:
+        what = "stands still, spring" if exerted.still else "no stiffness, spring"
+        return minus(of_joint(f"{what} {level:.3g} N m", slides))
+    angle = float(exerted.q.mean() + level / exerted.stiffness)
+    where = f"{round(angle, 3) + 0.0:.3f}" if abs(angle) < 1000 else f"{angle:.2g}"
+    return minus(of_joint(f"k {exerted.stiffness:.3g} N m/rad, qₑ {where} rad", slides))
+
+
+def saved_in_words(exerted: Exerted, slides: bool) -> str:
+    """What the spring took from the motor."""
     left, needed = (exerted.motor**2).mean(), (exerted.needed**2).mean()
-    share = left / needed if needed else 1.0
     what = "force²" if slides else "torque²"
-    yield f"{abs(1 - share):.1%} {'less' if share <= 1.0005 else 'more'} {what}"
+    if not needed:
+        return f"needs no {what.removesuffix('²')}" if not left else f"all {what} is the spring's"
+    share = left / needed
+    if share > 10:
+        return f"{share:.3g} times the {what}"
+    return f"{abs(1 - share):.1%} {'less' if share <= 1.0005 else 'more'} {what}"
 
 
-def _loops(ax: Axes, exerted: Exerted, best: xr.Dataset) -> None:
+def _loops(ax: Axes, exerted: Exerted, motion: MotionOfRun, joint: int) -> None:
     """Torque over angle of all, closed, with the lines across the whole panel."""
     q = exerted.q
-    reach = max(1.12 * float(np.ptp(q)), 10 * law.STILL**0.5) / 2
+    reach = max(1.12 * float(np.ptp(q)), 1e-3 * max(1.0, float(np.abs(q).max()))) / 2
     across = (q.min() + q.max()) / 2 + np.array([-reach, reach])
-    k, angle = float(best["stiffness_optimal"]), float(best["equilibrium_optimal"])
-    optimal = k * (angle - across) if k else np.full(2, float(best["offset_optimal"]))
-    spring = like(LEGEND[NEGATIVE if exerted.stiffness < 0 else POSITIVE])
+    k, angle = motion.stiffness_optimal[joint], motion.equilibrium_optimal[joint]
+    best = k * (angle - across) if k else np.full(2, motion.offset_optimal[joint])
+    spring = LEGEND[NEGATIVE if exerted.stiffness < 0 else POSITIVE]
     at = np.append(np.arange(len(q)), 0)  # closed
-    ax.axhline(0.0, color="black", linewidth=0.4)
-    ax.plot(q[at], exerted.motor[at], **like(LEGEND["left to the motor"]))
-    ax.plot(across, line(across, exerted), **{**spring, "linewidth": 0.6})
+    ax.axhline(0.0, color=DESIRED, linewidth=0.4)
+    ax.plot(q[at], exerted.motor[at], **LEGEND["left to the motor"])
+    ax.plot(across, exerted.line(across), **{**spring, "linewidth": 0.6})
     ax.plot(q[at], exerted.spring[at], **spring)
-    ax.plot(q[at], exerted.needed[at], **like(LEGEND["needed without springs"]))
-    ax.plot(across, optimal, **like(LEGEND["optimal spring"]))
+    ax.plot(q[at], exerted.needed[at], **LEGEND["needed without springs"])
+    ax.plot(across, best, **LEGEND["optimal spring"])
     ax.set_xlim(*across)
     # A law that jumps where a cycle begins leaves the panel there.
     usual = [np.quantile(part, (0.01, 0.99)) for part in (exerted.motor, exerted.needed)]
@@ -164,9 +163,4 @@ def _loops(ax: Axes, exerted: Exerted, best: xr.Dataset) -> None:
     margin = 0.1 * max(float(np.ptp(values)), 1e-12)
     ax.set_ylim(values.min() - margin, values.max() + margin)
     abscissa(ax)
-    plain(ax, 5)
-
-
-def line(q: np.ndarray, exerted: Exerted) -> np.ndarray:
-    """The line fitted to the spring's torque [N m], at angles (·,) [rad]."""
-    return exerted.spring.mean() - exerted.stiffness * (q - exerted.q.mean())
+    even(ax, 5)

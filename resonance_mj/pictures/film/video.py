@@ -15,7 +15,6 @@ import numpy as np
 
 from ...errors import PictureError
 from ...files import could_be_written
-from ...forking import cores
 from ...results.run import Run
 from . import encoding, gl, plots
 from . import shot as shots
@@ -23,6 +22,13 @@ from .filming import READY, WRONG, Job
 from .look import Look
 
 Progress = Callable[[int, int], None]
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def render(

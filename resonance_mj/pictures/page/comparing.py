@@ -2,59 +2,39 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
 
 from ...results.run import Run
+from ...text import flat, joined, percent, shown
 from .content import Content
-from .wording import listed
-
-
-class Difference(NamedTuple):
-    """A key of the experiments that has not the same value in all of them."""
-
-    key: str
-    values: tuple[str, ...]
-    """Of each run; empty where the key is not given."""
 
 
 def best(contents: Sequence[Content]) -> str:
     """Which run saves the most motor torque in each motion, in a sentence."""
     found: dict[str, list[str]] = {}
-    for number in range(1, max(len(each.motions) for each in contents) + 1):
-        shares = {
-            each.label: each.motions[number - 1].reduction.found
-            for each in contents
-            if len(each.motions) >= number and each.motions[number - 1].cycles
-        }
-        if len(shares) == len(contents):
-            leader = max(shares, key=lambda label: shares[label].value or 0.0)
-            found.setdefault(leader, []).append(f"{shares[leader].text} in motion {number}")
+    for motions in zip(*(each.motions for each in contents), strict=False):
+        shares = [motion.last["torque_reduction"] for motion in motions]
+        if None not in shares:
+            leader = max(range(len(shares)), key=shares.__getitem__)
+            place = f"{percent(shares[leader])} in motion {motions[0].number}"
+            found.setdefault(contents[leader].label, []).append(place)
     if not found:
-        return f"{len(contents)} runs, which have no whole cycle of a motion in common."
-    said = "; ".join(f"{leader}, {listed(where)}" for leader, where in found.items())
+        return f"{len(contents)} runs, which have no reduction of torque in common to compare."
+    said = "; ".join(f"{leader}, {joined(where)}" for leader, where in found.items())
     return f"The greatest reduction of motor torque² against no springs: {said}."
 
 
-def differences(runs: Sequence[Run]) -> list[Difference]:
-    """The keys in which the experiments differ, besides their names and what is expected."""
-    tables = [dict(_flat(tomllib.loads(run.experiment.to_toml()))) for run in runs]
+def differences(runs: Sequence[Run]) -> dict[str, list[str]]:
+    """The keys in which the experiments differ, besides their names and what is expected.
+
+    Returns:
+        By key the value in each run; empty where the key is not given.
+    """
+    tables = [flat(run.experiment.model_dump()) for run in runs]
     keys = dict.fromkeys(key for table in tables for key in table)
-    found = [Difference(key, tuple(table.get(key, "") for table in tables)) for key in keys]
-    return [
-        one
-        for one in found
-        if len(set(one.values)) > 1 and one.key != "name" and not one.key.startswith("expect.")
-    ]
+    rows = {key: [_text(table.get(key)) for table in tables] for key in keys}
+    return {key: values for key, values in rows.items() if len(set(values)) > 1}
 
 
-def _flat(table: Any, before: str = "") -> Iterator[tuple[str, str]]:
-    """Dotted keys, as the command line takes them, and their values as text."""
-    items = enumerate(table) if isinstance(table, list) else table.items()
-    for key, value in items:
-        of_tables = isinstance(value, list) and value and isinstance(value[0], dict)
-        if isinstance(value, dict) or of_tables:
-            yield from _flat(value, f"{before}{key}.")
-        else:
-            yield f"{before}{key}", str(value).replace("'", "")
+def _text(value: object) -> str:
+    return "" if value is None else shown(value, 200).replace("'", "")

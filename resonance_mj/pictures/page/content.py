@@ -2,31 +2,59 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
+
+import numpy as np
 
 from ... import library
 from ...errors import ExperimentError
-from ...evaluation.checks import cases, convergence
-from ...evaluation.checks.check import judge
+from ...evaluation.checks import cases
+from ...evaluation.checks.check import Judgement, judge
 from ...experiments.expectations import Expect
+from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run
 from ...status import Status
-from .motions import Motion, motions
-from .wording import listed, minus
+from ...text import NOTHING, duration, joined, length, minus, percent
 
 
-class Verdict(NamedTuple):
-    """What was expected of a figure, and what was found."""
+@dataclass(frozen=True)
+class Motion:
+    """A motion of a run, and its last whole cycle.
 
-    motion: int
-    figure: str
-    expected: str
-    tolerance: str
-    found: str
-    passed: bool
+    Attributes:
+        number: from 1.
+        about: shape, period and cycles in words.
+        of: cycles of the experiment.
+        last: as in summary.json, and equilibrium and equilibrium_optimal (n,) [rad] besides: where
+            the springs are at rest; NaN for a joint that has none.
+    """
+
+    number: int
+    about: str
+    of: int
+    last: dict[str, Any]
+
+    @property
+    def against(self) -> tuple[str, str]:
+        """Torque² against that without springs: how much, and whether less, more or times it."""
+        share = self.last["torque_reduction"]
+        if share is None:
+            return NOTHING, ""
+        if share > -9.995:
+            return minus(percent(abs(share))), "less" if share >= 0 else "more"
+        return f"{1 - share:,.0f}" if share > -1e9 else f"{1 - share:.3g}", "times the"
+
+    @property
+    def reached(self) -> str:
+        """First cycle at the optimum; without a whole cycle, or an optimum, none can be told."""
+        best = self.last["torque_reduction_optimal"]
+        if not self.last["cycles"] or best is None or best > 1 - LEAST_REDUCTION:
+            return NOTHING
+        return str(self.last["cycles_to_optimum"] or "never")
 
 
 @dataclass(frozen=True)
@@ -37,23 +65,29 @@ class Content:
         run: the run.
         label: what the page calls it.
         anchor: begins the ids of its part of the page.
-        folder: where it was read from; None for a run that was not.
+        folder: name of the folder it was read from; empty for a run that was not.
         motions: their last whole cycles.
         verdicts: on what the experiment expects; empty where it expects nothing.
         notes: what was found, changed or is doubtful; what could not be judged.
         facts: what was run, name and value.
-        files: what the experiment needs besides itself to be run again.
+        files: those of the user's own that the experiment names.
     """
 
     run: Run
     label: str
     anchor: str
-    folder: Path | None
+    folder: str
     motions: tuple[Motion, ...]
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[Judgement, ...]
     notes: tuple[str, ...]
     facts: tuple[tuple[str, str], ...]
     files: tuple[str, ...]
+
+    @property
+    def joints(self) -> list[tuple[str, bool]]:
+        """Names of the joints, and whether each slides."""
+        data = self.run.data
+        return list(zip(data["joint"].values.tolist(), data["slides"].values > 0, strict=True))
 
     @property
     def missed(self) -> int:
@@ -63,7 +97,27 @@ class Content:
     @property
     def headline(self) -> str:
         """The numbers that matter in a sentence or two."""
-        return _headline(self)
+        run, done, said = self.run, [each for each in self.motions if each.last["cycles"]], ""
+        if run.status is not Status.OK:
+            whole, wanted = run.data.sizes["cycle"], sum(each.of for each in self.motions)
+            said = f"The run {run.status} after {whole} whole cycles of {wanted}. "
+        if not done:
+            return said + "It has no whole cycle to measure."
+        done = [done[0], done[-1]] if len(done) > 3 else done
+        needed, best = [], []
+        for each in done:
+            much, kind = each.against
+            where = f" in motion {each.number}" * (len(self.motions) > 1)
+            needed.append(
+                (f"{much} {kind} torque²" if kind else "torque where none is due") + where
+            )
+            best.append(percent(each.last["torque_reduction_optimal"]) if kind else "nothing")
+        error = [length(each.last["tracking_rms"]) for each in done]
+        return (
+            f"{said}Compared with no springs, the motors end up needing {joined(needed)}; the best "
+            f"constant springs would save {joined(best)}. The tool is {joined(error)} RMS off its "
+            "path."
+        )
 
 
 def content(run: Run, label: str, anchor: str, folder: Path | None) -> Content:
@@ -75,69 +129,51 @@ def content(run: Run, label: str, anchor: str, folder: Path | None) -> Content:
         anchor: begins the ids of its part of the page.
         folder: where it was read from, if it was.
     """
-    verdicts: tuple[Verdict, ...] = ()
+    verdicts: tuple[Judgement, ...] = ()
     notes = run.notes
     if run.experiment.expect != Expect():
         try:
             cases.fit(run.experiment, run.data["joint"].values.tolist(), run.experiment.name)
-            verdicts = _verdicts(run)
+            verdicts = tuple(judge(run))
         except ExperimentError as error:
             notes += (f"expectations are not judged: {error}",)
-    facts = _facts(run, folder)
-    return Content(run, label, anchor, folder, motions(run), verdicts, notes, facts, _files(run))
-
-
-def _verdicts(run: Run) -> tuple[Verdict, ...]:
-    return tuple(
-        Verdict(
-            one.motion,
-            convergence.figure(one).replace("_", " ").replace("rms", "RMS"),
-            minus(convergence.expected(one.band)),
-            convergence.tolerance(one.band),
-            minus(convergence.number(one.found, one.band)),
-            one.passed,
-        )
-        for one in judge(run)
+    return Content(
+        run=run,
+        label=label,
+        anchor=anchor,
+        folder=folder.resolve().name if folder else "",
+        motions=tuple(_motions(run)),
+        verdicts=verdicts,
+        notes=notes,
+        facts=tuple(_facts(run, folder)),
+        files=tuple(one.path.name for one in run.inputs if one.key),
     )
 
 
-def _headline(of: Content) -> str:
-    run, done = of.run, [motion for motion in of.motions if motion.cycles]
-    said = ""
-    if run.status is not Status.OK:
-        whole, wanted = sum(m.cycles for m in of.motions), sum(m.of for m in of.motions)
-        said = f"The run {run.status} after {whole} whole cycles of {wanted}. "
-    if not done:
-        return said + "It has no whole cycle to measure."
-    several = len(of.motions) > 1
-    where = [f" in motion {motion.number}" if several else "" for motion in done]
-    if len(done) > 3:
-        done, where = [done[0], done[-1]], [" in the first motion", " in the last"]
-    less = [
-        "{} {} torque²{}".format(*motion.against, place)
-        for motion, place in zip(done, where, strict=True)
-    ]
-    best = [motion.reduction.optimal.text for motion in done]
-    error = [motion.tracking.text for motion in done]
-    return (
-        f"{said}Compared with no springs, the motors end up needing {listed(less)}; the best "
-        f"constant springs would save {listed(best)}. The tool is {listed(error)} RMS off its path."
-    )
+def _motions(run: Run) -> Iterator[Motion]:
+    for motion, given, last in zip(
+        run.motions, run.experiment.motion, run.summary()["segments"], strict=True
+    ):
+        angles = np.where(motion.stiffness, motion.equilibrium, np.nan)
+        last["equilibrium"] = angles[-1].tolist() if last["cycles"] else None
+        last["equilibrium_optimal"] = motion.equilibrium_optimal.tolist()
+        about = f"{given.shape}, {given.cycles} cycles of {duration(given.period)}"
+        carried = f", payload {given.payload:g} kg" if given.payload else ""
+        yield Motion(motion.number, about + carried, given.cycles, last)
 
 
-def _facts(run: Run, folder: Path | None) -> tuple[tuple[str, str], ...]:
+def _facts(run: Run, folder: Path | None) -> list[tuple[str, str]]:
     experiment, data = run.experiment, run.data
-    mjcf = experiment.robot.mjcf
+    mjcf, law = experiment.robot.mjcf, experiment.law
     built_in = library.robots().get(mjcf)
-    joints = [str(name) for name in data["joint"].values]
+    joints = data["joint"].values.tolist()
     about = f": {library.line(built_in)}" if built_in else ""
-    law = experiment.law.kind + (f", J {experiment.law.jacobian}" * bool(experiment.law.jacobian))
     step = f"{1e3 * experiment.simulation.timestep:g} ms"
     facts = [
         ("Robot", f"{mjcf if built_in else Path(mjcf).name}{about}"),
         ("Joints", f"{len(joints)}: {', '.join(joints)}"),
-        ("Task", f"{', '.join(map(str, data['axis'].values))} of the tool"),
-        ("Law", law),
+        ("Task", f"{', '.join(data['axis'].values.tolist())} of the tool"),
+        ("Law", law.kind + (f", J {law.jacobian}" if law.jacobian else "")),
         ("Integration", f"{experiment.simulation.integrator}, a step each {step}"),
         ("Simulated", f"{run.steps} steps in {run.simulation_wall_s:.2f} s of computing"),
     ]
@@ -147,14 +183,4 @@ def _facts(run: Run, folder: Path | None) -> tuple[tuple[str, str], ...]:
     if folder is not None:
         made = datetime.fromtimestamp((folder / "run.nc").stat().st_mtime)
         facts.append(("Made", f"{made:%Y-%m-%d %H:%M}"))
-    return tuple(facts)
-
-
-def _files(run: Run) -> tuple[str, ...]:
-    """Files of the user's own that the experiment names: they are not in the page."""
-    experiment = run.experiment
-    mjcf = experiment.robot.mjcf
-    named = [mjcf] if mjcf not in library.robots() and not mjcf.startswith("menagerie:") else []
-    named += [experiment.law.kind] * experiment.law.kind.endswith(".py")
-    named += [motion.file for motion in experiment.motion if motion.file]
-    return tuple(dict.fromkeys(named))
+    return facts

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,9 +15,8 @@ from ...results.run import Run
 from ..film import encoding, video
 from ..film import shot as shots
 from ..film.look import Look
+from ..spans import spans
 
-CYCLES = 2
-"""Cycles that are shown at the start, on either side of a change of motion, and at the end."""
 LEAST, MOST = 4.0, 12.0
 """How long a film lasts [s]: shorter ones run slower than the robot, longer ones faster."""
 FPS = 20.0
@@ -25,8 +24,7 @@ SIZES = {1: (1280, 720), 2: (1440, 600), 3: (1800, 600)}
 """Width and height of the picture by the number of runs side by side [pixels]; no more fit."""
 
 
-@dataclass(frozen=True)
-class Scene:
+class Scene(NamedTuple):
     """A span of the runs in a film."""
 
     start: float
@@ -38,8 +36,8 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What a film will show.
+class Film:
+    """A film that a page carries in itself.
 
     Attributes:
         runs: the runs side by side.
@@ -47,6 +45,9 @@ class Plan:
         times: of the frames (F,) [s of the run].
         speed: seconds of the run per second of the film.
         scenes: the spans in a row.
+        size: width and height [pixels].
+        mp4: its file (H.264); empty until it is shot.
+        poster: the picture that stands for it (JPEG); likewise.
     """
 
     runs: tuple[Run, ...]
@@ -54,26 +55,12 @@ class Plan:
     times: np.ndarray
     speed: float
     scenes: tuple[Scene, ...]
-
-
-@dataclass(frozen=True)
-class Film:
-    """A film that a page carries in itself.
-
-    Attributes:
-        plan: what it shows.
-        mp4: its file (H.264), in base64.
-        poster: the picture that stands for it (JPEG), in base64.
-        size: width and height [pixels].
-    """
-
-    plan: Plan
-    mp4: str
-    poster: str
     size: tuple[int, int]
+    mp4: bytes = b""
+    poster: bytes = b""
 
 
-def plan(runs: Sequence[Run], labels: Sequence[str]) -> Plan:
+def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
     """Choose what is filmed of runs: the first three where there are more.
 
     Raises:
@@ -81,12 +68,12 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Plan:
     """
     shown = tuple(runs)[: max(SIZES)]
     _, end = shots.common_span(shown, None, None)
-    spans = _spans(shown[0], end)
-    total = sum(stop - start for start, stop in spans)
+    shown_spans = spans(shown[0], end)
+    total = sum(stop - start for start, stop in shown_spans)
     speed = total / min(max(total, LEAST), MOST)
     parts: list[np.ndarray] = []
     scenes: list[Scene] = []
-    for start, stop in spans:
+    for start, stop in shown_spans:
         try:
             part = shots.times(shown, start, stop, speed / FPS, given=False)
         except PictureError:  # None of its cycles were kept in all runs.
@@ -95,50 +82,33 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Plan:
         parts.append(part)
     if not parts:
         raise PictureError("the runs have no kept cycle in common")
-    return Plan(shown, tuple(labels)[: len(shown)], np.concatenate(parts), speed, tuple(scenes))
+    return Film(
+        runs=shown,
+        labels=tuple(labels)[: len(shown)],
+        times=np.concatenate(parts),
+        speed=speed,
+        scenes=tuple(scenes),
+        size=SIZES[len(shown)],
+    )
 
 
-def shoot(planned: Plan, progress: video.Progress | None = None) -> Film:
+def shoot(planned: Film, progress: video.Progress | None = None) -> Film:
     """Film what was planned.
 
     Raises:
         PictureError: there is no OpenGL to draw with.
         RobotError: the arm's MJCF is missing.
     """
-    size = SIZES[len(planned.runs)]
     with tempfile.TemporaryDirectory() as folder:
         path = video.film(
             planned.runs,
             Path(folder) / "film.mp4",
             planned.times,
             FPS,
-            look=Look(size=size),
+            look=Look(size=planned.size),
             labels=planned.labels,
             progress=progress,
         )
         # Near the end: the springs have been found, and the strip below is drawn.
         poster = encoding.still(path, 0.9 * (len(planned.times) - 1) / FPS)
-        return Film(planned, _base64(path.read_bytes()), _base64(poster), size)
-
-
-def _spans(run: Run, end: float) -> list[tuple[float, float]]:
-    """The start, either side of each change of motion, and the last cycles before `end` [s]."""
-    wanted, begin = [], 0.0
-    for motion in run.experiment.motion:
-        stop = min(begin + motion.duration, end)
-        length = CYCLES * motion.period
-        wanted += [(begin, min(begin + length, stop)), (max(begin, stop - length), stop)]
-        begin += motion.duration
-        if begin >= end:
-            break
-    spans = wanted[:1]
-    for start, stop in wanted[1:]:
-        if start <= spans[-1][1] + 1e-9:
-            spans[-1] = (spans[-1][0], max(stop, spans[-1][1]))
-        else:
-            spans.append((start, stop))
-    return spans
-
-
-def _base64(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")
+        return replace(planned, mp4=path.read_bytes(), poster=poster)

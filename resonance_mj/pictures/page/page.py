@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import jinja2
 from markupsafe import Markup
 
-from ...results.run import Run, finite
+from ... import text
+from ...evaluation.checks import convergence
+from ...results.run import Run, finite, versions
 from ..figures.catalogue import Entry
-from ..figures.sizes import COLUMN, PAGE
 from . import drawings
-from .comparing import Difference, best
+from .comparing import best
 from .content import Content
-from .drawings import Drawing
 from .film import Film
 
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the catalogue, drawn in two widths."""
-
-    entry: Entry
-    wide: Drawing
-    narrow: Drawing
-    """As wide as a phone."""
+Figures = tuple[tuple[Entry, Markup], ...]
+"""Figures of the catalogue, each as a part of the page."""
 
 
 @dataclass(frozen=True)
@@ -42,22 +37,15 @@ class Page:
         differences: between the runs' experiments.
         film: None without.
         film_note: why there is no film, or what it leaves out; empty if nothing is to be said.
-        version: of this program.
     """
 
     title: str
     contents: tuple[Content, ...]
-    figures: tuple[tuple[Figure, ...], ...]
-    shared: tuple[Figure, ...]
-    differences: tuple[Difference, ...]
+    figures: tuple[Figures, ...]
+    shared: Figures
+    differences: dict[str, list[str]]
     film: Film | None
     film_note: str
-    version: str
-
-    @property
-    def headline(self) -> str:
-        """What a comparison comes to, in a sentence."""
-        return best(self.contents)
 
     def html(self) -> str:
         """The page as text."""
@@ -65,9 +53,18 @@ class Page:
             loader=jinja2.PackageLoader(__package__, "templates"),
             autoescape=True,
             undefined=jinja2.StrictUndefined,
+            finalize=_placeless,
             trim_blocks=True,
             lstrip_blocks=True,
         )
+        environment.globals["judged"] = convergence
+        environment.filters |= {
+            "minus": text.minus,
+            "number": _data(text.number),
+            "percent": _data(text.percent),
+            "metres": _data(text.length),
+            "radians": _data(text.angle),
+        }
         environment.filters["data_uri"] = _data_uri
         environment.filters["json"] = lambda value: json.dumps(finite(value), indent=2)
 
@@ -75,21 +72,14 @@ class Page:
             assert environment.loader is not None
             return Markup(environment.loader.get_source(environment, name)[0])
 
-        drawn = [figure for group in (self.shared, *self.figures) for figure in group]
-        every = [drawing for figure in drawn for drawing in (figure.wide, figure.narrow)]
         return environment.get_template("page.html").render(
-            page=self, dark=drawings.style(every), asset=asset
+            page=self, best=best, asset=asset, version=versions()["resonance-mj"]
         )
 
 
-def _data_uri(text: str, kind: str) -> str:
-    """A text as an address that holds it."""
-    return f"data:{kind};base64,{base64.b64encode(text.encode()).decode('ascii')}"
-
-
 def figures(
-    entries: list[Entry], runs: list[Run], anchor: str, done: Callable[[], None]
-) -> tuple[Figure, ...]:
+    entries: Sequence[Entry], runs: Sequence[Run], anchor: str, done: Callable[[], None]
+) -> Figures:
     """Draw figures for a page.
 
     Args:
@@ -100,12 +90,43 @@ def figures(
     """
     drawn = []
     for entry in entries:
-        wide, narrow = (
-            drawings.inline(
-                entry.draw(runs, width), f"{anchor}-{entry.name}-{width:.0f}", entry.title
-            )
-            for width in (PAGE, COLUMN)
-        )
-        drawn.append(Figure(entry, wide, narrow))
+        figure = entry.draw(runs, drawings.WIDTH)
+        drawn.append((entry, drawings.inline(figure, f"{anchor}-{entry.name}", entry.title)))
         done()
     return tuple(drawn)
+
+
+def _data(written: Callable[..., str]) -> Callable[..., Markup]:
+    """A number as it is read, with all its digits for programs."""
+
+    def element(value: float | None, *digits: int) -> Markup:
+        shown = text.minus(written(value, *digits))
+        if shown == text.NOTHING:
+            return Markup(shown)
+        return Markup('<data value="{}">{}</data>').format(value, shown)
+
+    return element
+
+
+def _data_uri(content: str | bytes, kind: str) -> Markup:
+    """A text or a file as an address that holds it."""
+    data = content if isinstance(content, bytes) else _placeless(content).encode()
+    return Markup(f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}")
+
+
+def _placeless(value: Any) -> Any:
+    """A text without the folders of absolute paths: a page is sent, and they are its sender's."""
+    if not isinstance(value, str) or isinstance(value, Markup):
+        return value
+    return FOLDERS.sub("", value)
+
+
+FOLDERS = re.compile(
+    r"""
+    (?<=["'])(?:/|[A-Za-z]:[\\/])[^"'\n]*[\\/](?=[^"'\\/\n]*["'])  # in quotes, with spaces
+    | (?<![\w.:/<~])/(?:[^\s/"'<>:;,]+/)+                        # /home/user/
+    | (?<!\w)[A-Za-z]:[\\/]+(?:[^\s\\/"'<>:;,]+[\\/]+)+            # C:\\Users\\user\\
+    """,
+    re.VERBOSE,
+)
+"""What stands before the name of a file in an absolute path."""

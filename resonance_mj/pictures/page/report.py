@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from ...errors import OutputError, PictureError, RobotError
 from ...files import could_be_written, replacing, writable
-from ...results.run import Run, versions
+from ...results.run import Run
+from ...text import told_apart
 from . import film as films
 from .comparing import differences
 from .content import content
-from .film import Film, Plan
 
 if TYPE_CHECKING:
     from .page import Page
@@ -37,7 +37,7 @@ def report(
 
     The file holds the film, the figures, the numbers beside the optimum's, the verdicts on what
     the experiment expects, the experiment itself, and how to run it again. It asks for nothing
-    over a network.
+    over a network, and names no folder of this machine.
 
     Args:
         run: the run or runs, or the folders that they were saved to.
@@ -45,7 +45,7 @@ def report(
             of several.
         video: whether to film the runs; it takes most of the time.
         title: of the page; the names of the runs if not given.
-        labels: what the page calls each run; the experiments' names, or those of the folders
+        labels: what the page calls each run; the experiments' names, and the keys that differ
             where these are alike.
         progress: is called with the number of pictures done and that of all.
         note: is called with each line that the user should know.
@@ -61,10 +61,16 @@ def report(
     if not given:
         raise OutputError("no run is given to report")
     folders = [None if isinstance(one, Run) else Path(one) for one in given]
-    runs = [one if isinstance(one, Run) else Run.load(one) for one in given]
     path = _destination(path, folders)
-    names = _labels(labels, runs, folders)
-    page = _page(runs, folders, names, title, video, progress, note or (lambda line: None))
+    runs = [one if isinstance(one, Run) else Run.load(one) for one in given]
+    if labels is not None and len(labels) != len(runs):
+        raise OutputError(f"{len(labels)} labels for {len(runs)} runs: give one each")
+    names = labels or told_apart(
+        [one.experiment.name for one in runs], [one.experiment.model_dump() for one in runs]
+    )
+    page = _page(runs, folders, names, title, video, progress or (lambda done, of: None))
+    if note and page.film_note:
+        note(page.film_note)
     writable(path.parent)
     with replacing(path) as beside:
         beside.write_text(page.html(), encoding="utf-8")
@@ -74,7 +80,7 @@ def report(
 def _destination(path: str | os.PathLike[str] | None, folders: list[Path | None]) -> Path:
     """Where the report goes; that it can be written is seen before the long work."""
     if path is None:
-        if not folders or folders[0] is None:
+        if folders[0] is None:
             raise OutputError("a run that was not read from a folder: give the report a path")
         path = folders[0] / ("report.html" if len(folders) == 1 else "comparison.html")
     path = Path(path)
@@ -84,32 +90,13 @@ def _destination(path: str | os.PathLike[str] | None, folders: list[Path | None]
     return path
 
 
-def _labels(
-    labels: Sequence[str] | None, runs: list[Run], folders: list[Path | None]
-) -> tuple[str, ...]:
-    if labels is not None:
-        if len(labels) != len(runs):
-            raise OutputError(f"{len(labels)} labels for {len(runs)} runs: give one each")
-        return tuple(labels)
-    names = [run.experiment.name for run in runs]
-    if len(set(names)) < len(names):
-        names = [
-            name if folder is None else folder.resolve().name
-            for name, folder in zip(names, folders, strict=True)
-        ]
-    if len(set(names)) < len(names):
-        names = [f"{name} ({number})" for number, name in enumerate(names, start=1)]
-    return tuple(names)
-
-
 def _page(
     runs: list[Run],
     folders: list[Path | None],
-    names: tuple[str, ...],
+    names: Sequence[str],
     title: str | None,
     video: bool,
-    progress: Progress | None,
-    note: Callable[[str], None],
+    progress: Progress,
 ) -> Page:
     from ..figures import catalogue
     from . import page
@@ -118,45 +105,31 @@ def _page(
     anchors = ["run"] if alone else [f"run{number}" for number in range(1, len(runs) + 1)]
     of_each = [catalogue.fitting([run]) for run in runs]
     of_all = [] if alone else [entry for entry in catalogue.fitting(runs) if entry.several]
-    planned, film_note = _plan(runs, names) if video else (None, "")
-    frames = len(planned.times) if planned else 0
-    total = frames + len(of_all) + sum(map(len, of_each))
-    done = 0
+    frames, figures, done = 0, len(of_all) + sum(map(len, of_each)), 0
 
     def step() -> None:
         nonlocal done
         done += 1
-        if progress:
-            progress(done, total)
+        progress(done, frames + figures)
 
-    film: Film | None = None
-    if planned:
+    film, said = None, ""
+    if video:
         try:
+            planned = films.plan(runs, names)
+            frames = len(planned.times)
             film = films.shoot(planned, lambda *_: step())
+            if len(film.runs) < len(runs):
+                left_out = ", ".join(names[len(film.runs) :])
+                said = f"The video shows the first {len(film.runs)} runs, not {left_out}."
         except (PictureError, RobotError) as error:
-            film_note = f"No video: {error}"
-            done = frames
-    if film_note:
-        note(film_note)
+            said, done = f"No video: {error}", frames
     parts = zip(of_each, runs, anchors, strict=True)
     return page.Page(
         title=title or " beside ".join(names),
         contents=tuple(content(*each) for each in zip(runs, names, anchors, folders, strict=True)),
         shared=page.figures(of_all, runs, "all", step),
         figures=tuple(page.figures(entries, [run], anchor, step) for entries, run, anchor in parts),
-        differences=() if alone else tuple(differences(runs)),
+        differences={} if alone else differences(runs),
         film=film,
-        film_note=film_note,
-        version=versions()["resonance-mj"],
+        film_note=said,
     )
-
-
-def _plan(runs: list[Run], names: tuple[str, ...]) -> tuple[Plan | None, str]:
-    """What will be filmed, and what is to be said about it."""
-    try:
-        planned = films.plan(runs, names)
-    except PictureError as error:
-        return None, f"No video: {error}"
-    left_out = names[len(planned.runs) :]
-    said = f"The video shows the first {len(planned.runs)} runs, not {', '.join(left_out)}."
-    return planned, said if left_out else ""
