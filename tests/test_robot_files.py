@@ -260,6 +260,8 @@ def test_a_urdf_is_seen_as_far_as_its_visuals_can_be_read(tmp_path):
     original = mujoco.MjModel.from_xml_path(str(path))
     assert original.ngeom == 0
     np.testing.assert_array_equal(robot.model.body_mass[-2:], original.body_mass[-2:])
+    path.write_text(URDF.replace("</robot>", "<xacro:unbound/></robot>"))
+    assert build(for_robot(str(path))).model.ngeom == 0
 
 
 # What MuJoCo warns of

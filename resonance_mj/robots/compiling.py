@@ -28,7 +28,7 @@ def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
         # From a relative path it does not find meshes that lie beside a file that is included.
         spec = mujoco.MjSpec.from_file(str(path.absolute()))
         if visuals and urdf.is_urdf(path):
-            spec = urdf.with_visuals(path)
+            spec = urdf.with_visuals(path, spec)
     except (ValueError, mujoco.FatalError) as error:
         raise RobotError(rejected(path, error)) from None
     # Bodies that are fused would lose their names, and the others their numbers; a payload's body

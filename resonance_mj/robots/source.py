@@ -12,6 +12,7 @@ from pathlib import Path
 import mujoco
 
 from ..errors import RobotError
+from ..files import regular
 from ..text import cut
 from .compiling import compile_spec, parse
 from .urdf import is_urdf
@@ -70,8 +71,9 @@ def texts(path: Path) -> Iterator[tuple[str, bytes]]:
         return
     for file in sorted(_named(path)):
         if file.suffix in XML or file == path:
-            with suppress(OSError):  # of which MuJoCo says that it cannot be opened
-                yield str(file), file.read_bytes()
+            # Of what cannot be opened MuJoCo says it.
+            with suppress(OSError), regular(file) as opened:
+                yield str(file), opened.read()
 
 
 def _archived_texts(path: Path) -> Iterator[tuple[str, bytes]]:

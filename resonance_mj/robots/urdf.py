@@ -17,15 +17,19 @@ def is_urdf(path: Path) -> bool:
     return path.suffix.lower() == ".urdf"
 
 
-def with_visuals(path: Path) -> mujoco.MjSpec:
+def with_visuals(path: Path, without: mujoco.MjSpec) -> mujoco.MjSpec:
     """A URDF with its visuals, but for those whose mesh is missing or of a kind MuJoCo lacks.
 
     They have no mass and touch nothing.
 
-    Raises:
-        ValueError: MuJoCo rejects the file.
+    Args:
+        path: of the URDF.
+        without: what MuJoCo makes of it, returned where MuJoCo alone can read its XML.
     """
-    root = ElementTree.parse(path).getroot()
+    try:
+        root = ElementTree.parse(path).getroot()
+    except ElementTree.ParseError:
+        return without
     settings = root.find("mujoco")
     if settings is None:
         settings = ElementTree.SubElement(root, "mujoco")
