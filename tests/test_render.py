@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 import resonance_mj as rmj
+from resonance_mj import files
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures.film import gl
 from resonance_mj.pictures.film import shot as shots
@@ -268,7 +269,7 @@ def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
     while not list(tmp_path.iterdir()) and time.monotonic() < until:
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
-    assert b"interrupted" in process.communicate(timeout=60)[1]
+    assert b"ended by SIGINT" in process.communicate(timeout=60)[1]
     assert process.returncode == 130
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(ProcessLookupError):
@@ -278,9 +279,57 @@ def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
 @pytest.mark.opengl
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_disk_is_said_and_leaves_nothing(run, tmp_path, monkeypatch):
-    # The file is written beside its final name: that is a device on which there is no room.
-    beside = tmp_path / f".{os.getpid()}.o.mp4"
-    beside.symlink_to("/dev/full")
+    # The file is written in a folder of its own first: there it is a device that has no room.
+    made = files.tempfile.mkdtemp
+
+    def full(**options):
+        folder = made(**options)
+        Path(folder, "o.mp4").symlink_to("/dev/full")
+        return folder
+
+    monkeypatch.setattr(files.tempfile, "mkdtemp", full)
     with pytest.raises(OutputError, match=r"o\.mp4: cannot be written: .*[Nn]o space left"):
         rmj.render(run, tmp_path / "o.mp4", 0.0, 0.3, 10.0, look=rmj.Look(size=SMALL))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.opengl
+def test_what_stands_in_the_working_folder_is_not_executed(folder, tmp_path):
+    for name in ("random", "pickle", "signal"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('executed')")
+    video = tmp_path / "o.mp4"
+    line = [sys.executable, "-P", "-m", "resonance_mj.cli", "render", str(folder), "--to", "0.1"]
+    root = str(Path(rmj.__file__).parents[1])
+    done = subprocess.run(
+        [*line, "-o", str(video)],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": root},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert video.stat().st_size > 0
+
+
+def test_as_many_labels_as_runs_are_needed(run, tmp_path):
+    with pytest.raises(PictureError, match=r"2 labels, a, b, for 1 runs"):
+        rmj.render(run, tmp_path / "o.mp4", labels=["a", "b"])
+
+
+@pytest.mark.opengl
+def test_what_fails_besides_opengl_is_said_as_what_it_is(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(shots.Shot, "__reduce__", lambda self: (int, ("no shot",)))
+    with pytest.raises(PictureError, match=r"frames cannot be drawn: ValueError"):
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, look=rmj.Look(size=SMALL))
+
+
+def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded():
+    paper = rmj.load("paper")
+    first, second = (motion.model_dump() for motion in paper.motion)
+    first |= {"period": 0.1, "duration": 1.0, "sin": [[0.005], [-0.02]]}
+    second |= {"period": 1.0, "duration": 2.0}
+    run = rmj.simulate(paper.replace({"motion": [first, second], "law.k_v": 200.0, "expect": {}}))
+    shot = shots.shot(run, run.data["time"].values, "x")
+    begins = int(np.argmax(shot.cycle == 11))
+    assert (shot.period[begins - 1], shot.period[begins]) == (100, 1000)
+    assert shot.best[begins] == shot.best[-1]

@@ -58,10 +58,11 @@ class Law(Section):
     gamma_qe: Gains = 0.0
     """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each."""
     q_c: Literal["mean", "running"] | Angles = "mean"
-    """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion, and
-    "running", for the paper's law, moves from there to the mean of each cycle as it ends."""
-    q_s: Literal["mean"] | Angles = "mean"
-    """Centre of the learning's regressor (9), (10) [rad]; "mean" as for q_c."""
+    """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion;
+    "running", for the paper's law, the mean of each cycle as it ends, and home before."""
+    q_s: Literal["mean", "running"] | Angles = "mean"
+    """Centre of the learning's regressor (9), (10) [rad]; "mean" as for q_c; "running", for the
+    paper's laws, the mean of the cycle that is learned from."""
     lead: Annotated[int, Field(ge=0, le=100_000)] | None = None
     """How far ahead in the stored cycle learning reads y [control periods]; 0 for the law as
     printed and 1 else if not given."""

@@ -222,8 +222,10 @@ class Plan:
         return found
 
     def _center(self, value: str | float | tuple[float, ...]) -> np.ndarray:
-        if isinstance(value, str):
+        if value == "mean":
             return self.joints[0].q.mean(axis=0)
+        if value == "running":  # of the cycles made: before the first the arm has stood at home
+            return self.robot.home.copy()
         return np.broadcast_to(np.asarray(value, float), self.robot.n).copy()
 
     @property

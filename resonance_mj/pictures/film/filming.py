@@ -19,7 +19,7 @@ from .look import Look
 from .shot import Scale, Shot
 from .strip import Strip
 
-READY, WRONG, NO_OPENGL = "ready", "wrong", "no OpenGL"
+READY, WRONG, BROKEN, NO_OPENGL = "ready", "wrong", "broken", "no OpenGL"
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,13 @@ def main() -> None:
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     try:
+        import mujoco
+
+        mujoco.GLContext(16, 16).free()
+    except Exception as error:  # MuJoCo and PyOpenGL raise any where there is none
+        _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")
+        return
+    try:
         from .scene import Scene
 
         job: Job = pickle.load(sys.stdin.buffer)
@@ -62,8 +69,8 @@ def main() -> None:
         _say(output, f"{WRONG}: {error}")
         return
     except Exception as error:
-        _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")
-        return
+        _say(output, f"{BROKEN}: frames cannot be drawn: {type(error).__name__}: {error}")
+        raise
     _say(output, READY)
     picture = np.full((job.look.size[1], job.look.size[0], job.look.channels), 128, np.uint8)
     try:

@@ -178,12 +178,9 @@ def shot(run: Run, wanted: np.ndarray, label: str) -> Shot:
     time, cycle = part["time"].values, part["cycle_of_sample"].values
     position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
     miss = (part["x"] - part["x_desired"]).values[:, position]
-    segment = np.searchsorted(data["end"].values, time, side="right")
-    segment = np.minimum(segment, data.sizes["segment"] - 1)
-    without = data["torque_squared_without_springs"].values
-    squared = np.concatenate([[np.nan], data["torque_squared"].values])
-    done = np.clip(cycle - 1, 0, len(squared) - 1)
-    of_done = np.concatenate([[1], data["segment_of_cycle"].values])[done] - 1
+    segment = part["segment_of_sample"].values - 1
+    reduction = np.concatenate([[np.nan], data["torque_reduction"].values])
+    best = np.array([motion.torque_reduction_optimal for motion in run.motions])
     dt = run.experiment.simulation.timestep
     return Shot(
         label=label,
@@ -203,8 +200,8 @@ def shot(run: Run, wanted: np.ndarray, label: str) -> Shot:
         equilibrium=part["equilibrium"].values,
         spring=(part["offset"] - part["stiffness"] * (part["q"] - part["center"])).values,
         tau=part["tau"].values,
-        reduction=1 - squared[done] / without[of_done],
-        best=1 - data["torque_squared_optimal"].values[segment] / without[segment],
+        reduction=reduction[np.clip(cycle - 1, 0, len(reduction) - 1)],
+        best=best[segment],
     )
 
 

@@ -16,9 +16,10 @@ import numpy as np
 from ...errors import PictureError
 from ...files import could_be_written
 from ...results.run import Run
+from ...text import listed
 from . import encoding, gl, plots
 from . import shot as shots
-from .filming import READY, WRONG, Job
+from .filming import BROKEN, READY, WRONG, Job
 from .look import Look
 
 Progress = Callable[[int, int], None]
@@ -123,6 +124,10 @@ def film(
     path, look = Path(path), look or Look()
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
+    if labels and len(labels) != len(runs):
+        raise PictureError(
+            f"{len(labels)} labels, {listed(labels)}, for {len(runs)} runs: give one for each"
+        )
     encoding.check(path, look.background == "transparent")
     could_be_written(path.parent)
     if path.suffix.lower() == ".mp4":
@@ -175,7 +180,7 @@ def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
                 return
             answer = next(answer for answer in answers if answer != READY)
             kind, _, reason = answer.partition(": ")
-            if kind == WRONG:
+            if kind in (WRONG, BROKEN):
                 raise PictureError(reason)
             tried[backend or "default"] = reason
         finally:
@@ -194,14 +199,16 @@ def _close(process: subprocess.Popen[bytes]) -> None:
 
 
 def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
-    environment = dict(os.environ)
+    # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
+    path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}
     if backend is not None:
         environment["MUJOCO_GL"] = backend
     if count > 1:
         # Software OpenGL has threads of its own: the processes share the cores already.
         environment.setdefault("LP_NUM_THREADS", "1")
     process = subprocess.Popen(
-        [sys.executable, "-m", "resonance_mj.pictures.film.filming"],
+        [sys.executable, "-P", "-m", "resonance_mj.pictures.film.filming"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=environment,
