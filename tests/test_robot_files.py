@@ -381,18 +381,6 @@ def test_the_files_of_a_urdf_have_its_meshes_and_stripped_paths_lead_to_where_th
     assert set(source.files(stripped)) == {stripped, there}
 
 
-def test_a_robot_s_digest_says_whether_any_of_its_files_changed(tmp_path):
-    path, files = nested(tmp_path)
-    seen = {source.digest(path)}
-    for file in files:
-        text = file.read_text()
-        file.write_text(text + ("\n" if file.suffix == ".obj" else "<!-- -->"))
-        seen.add(source.digest(path))
-        file.write_text(text)
-    assert len(seen) == 1 + len(files)
-    assert source.digest(path) in seen
-
-
 def test_a_mesh_that_is_rewritten_within_a_second_is_read_anew(tmp_path):
     path = written(
         tmp_path,

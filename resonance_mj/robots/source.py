@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import zipfile
 from collections.abc import Iterator
@@ -45,19 +44,6 @@ def files(path: Path) -> list[Path]:
             read = compile_spec(parse(path), path).paths.decode("utf-8", "surrogateescape")
         named |= {Path(os.path.normpath(name)) for name in read.split("\0") if name}
     return [path, *sorted(file for file in named - {path} if file.is_file())]
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of all files of a robot, keyframes, includes and meshes among them.
-
-    Raises:
-        RobotError: MuJoCo rejects it.
-    """
-    found = hashlib.sha256()
-    for file in files(path):
-        content = file.read_bytes()
-        found.update(f"{file.name}\0{len(content)}\0".encode() + content)
-    return found.hexdigest()
 
 
 def texts(path: Path) -> Iterator[tuple[str, bytes]]:
