@@ -56,6 +56,7 @@ READINGS: dict[str, tuple[str, Changes]] = {
     "q_c = (-0.5, -2.0), q_s = mean": ("paper", {"law.q_s": "mean"}),
     "q_c = mean, q_s = 0": ("paper", {"law.q_c": "mean"}),
     "`paper-centered`: q_c = q_s = mean": ("paper-centered", {}),
+    "`paper-running`: q_c = q_s = running mean": ("paper-running", {}),
     "`paper-transpose`: Jᵀ in (8)": ("paper-transpose", {}),
     "Jᵀ in (8), q_c = q_s = mean": ("paper-transpose", CENTERED),
     "Jᵀ in (8), β and Γ times 10": ("paper-transpose", FASTER | {"law.beta": 10.0}),

@@ -1,10 +1,9 @@
-"""What comes before the first step: seconds from `simulate` being called to its first `mj_step`.
+"""Seconds from `simulate` to the first step of MuJoCo, on a light arm and on one with heavy meshes.
 
     python benchmarks/startup.py [--rounds N]
 
-Two arms in turn: the seven-joint arm of the package, and the same beside 30 MB of meshes, as
-commercial arms have. The law is compiled before; MuJoCo's cache of meshes is emptied each time.
-With PYTHONPATH at another checkout the same file measures that one.
+Another version of the package is measured by the same script with PYTHONPATH set to its checkout.
+The arms are mjcf/seven_joint.xml, and the same with 30 MB of generated meshes.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ import statistics
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -23,37 +21,40 @@ import resonance_mj as rmj
 from resonance_mj import library
 from resonance_mj.experiments.loading import for_robot
 
-RINGS, MESHES = 400, 4
-"""Vertices along and around each mesh, and how many there are: 30 MB in all."""
+POINTS, MESHES = 400, 4
 
 
-def main() -> None:
-    """Print the medians."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=7)
-    rounds = parser.parse_args().rounds
-    print(f"{rmj.__file__}, {rounds} rounds")
-    with tempfile.TemporaryDirectory() as folder:
-        plain, heavy = arms(Path(folder))
-        before_first_step(plain)
-        taken: dict[str, list[float]] = {"seven_joint": [], "with 30 MB of meshes": []}
-        for _ in range(rounds):
-            for name, path in zip(taken, (plain, heavy), strict=True):
-                taken[name].append(before_first_step(path))
-    for name, seconds in taken.items():
-        print(
-            f"{name:22} {statistics.median(seconds):.3f} s "
-            f"(from {min(seconds):.3f} to {max(seconds):.3f})"
-        )
+def heavy(folder: Path, text: str) -> Path:
+    """The arm with an uneven sphere, a few times in other sizes, as meshes that are only seen."""
+    u = np.linspace(0, np.pi, POINTS)[:, None]
+    v = np.linspace(0, 2 * np.pi, POINTS, endpoint=False)
+    r = 0.03 * (1 + 0.1 * np.sin(9 * u) * np.sin(7 * v))
+    points = np.stack([r * np.sin(u) * np.cos(v), r * np.sin(u) * np.sin(v), r * np.cos(u)], -1)
+    i, j = np.meshgrid(np.arange(POINTS - 1), np.arange(POINTS), indexing="ij")
+    a, b = i * POINTS + j, i * POINTS + (j + 1) % POINTS
+    faces = np.stack([a, a + POINTS, b, b, a + POINTS, b + POINTS], -1).reshape(-1, 3) + 1
+    with (folder / "m.obj").open("w") as file:
+        file.writelines(f"v {x:.6f} {y:.6f} {z:.6f}\n" for x, y, z in points.reshape(-1, 3))
+        file.writelines(f"f {a} {b} {c}\n" for a, b, c in faces)
+    assets = "".join(
+        f'<mesh name="m{n}" file="m.obj" scale="{1 + n / 100} 1 1"/>' for n in range(MESHES)
+    )
+    geoms = "".join(
+        f'<geom type="mesh" mesh="m{n}" pos="5 {n} 0" contype="0" conaffinity="0"/>'
+        for n in range(MESHES)
+    )
+    path = folder / "heavy.xml"
+    with_meshes = f"<asset>{assets}</asset><worldbody>{geoms}"
+    path.write_text(text.replace("<worldbody>", with_meshes, 1))
+    return path
 
 
-def before_first_step(path: Path) -> float:
-    """Seconds from `simulate` to the first step of a run of two cycles."""
-    experiment = for_robot(str(path)).replace({"motion.0.duration": 2.0})
-    mujoco.mj_clearCache(mujoco.mj_getCache())
+def seconds(arm: Path) -> float:
+    """From the call of `simulate` to its first step."""
+    experiment = for_robot(str(arm)).replace({"motion.0.duration": 2.0})
     step, first = mujoco.mj_step, []
 
-    def timed(*arguments: Any) -> None:
+    def timed(*arguments: object) -> None:
         first.append(time.perf_counter())
         step(*arguments)
 
@@ -63,43 +64,25 @@ def before_first_step(path: Path) -> float:
         rmj.simulate(experiment)
     finally:
         mujoco.mj_step = step
-    return float(first[0] - began)
+    return first[0] - began
 
 
-def arms(folder: Path) -> tuple[Path, Path]:
-    """The seven-joint arm, and the same with meshes beside it that nothing touches."""
-    text = library.robots()["seven_joint.xml"].read_text(encoding="utf-8")
-    plain, heavy = folder / "plain.xml", folder / "heavy.xml"
-    plain.write_text(text, encoding="utf-8")
-    write_mesh(folder / "mesh.obj")
-    assets = "".join(
-        f'<mesh name="mesh{i}" file="mesh.obj" scale="{1 + i / 100} 1 1"/>' for i in range(MESHES)
-    )
-    geoms = "".join(
-        f'<geom type="mesh" mesh="mesh{i}" pos="5 {i} 0" contype="0" conaffinity="0"/>'
-        for i in range(MESHES)
-    )
-    world = f"<asset>{assets}</asset><worldbody>{geoms}"
-    heavy.write_text(text.replace("<worldbody>", world, 1), encoding="utf-8")
-    return plain, heavy
-
-
-def write_mesh(path: Path) -> None:
-    """An uneven sphere."""
-    along, around = np.meshgrid(
-        np.linspace(0, np.pi, RINGS),
-        np.linspace(0, 2 * np.pi, RINGS, endpoint=False),
-        indexing="ij",
-    )
-    r = 0.03 * (1 + 0.1 * np.sin(9 * along) * np.sin(7 * around))
-    circle = np.stack([np.cos(around), np.sin(around)], axis=-1)
-    points = np.dstack([(r * np.sin(along))[..., None] * circle, r * np.cos(along)])
-    i, j = np.meshgrid(np.arange(RINGS - 1), np.arange(RINGS), indexing="ij")
-    a, b = i * RINGS + j, i * RINGS + (j + 1) % RINGS
-    faces = np.stack([a, a + RINGS, b, b, a + RINGS, b + RINGS], axis=-1).reshape(-1, 3) + 1
-    with path.open("w", encoding="utf-8") as file:
-        np.savetxt(file, points.reshape(-1, 3), "v %.6f %.6f %.6f")
-        np.savetxt(file, faces, "f %d %d %d")
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=5)
+    rounds = parser.parse_args().rounds
+    with tempfile.TemporaryDirectory() as name:
+        light = Path(name, "light.xml")
+        light.write_text(library.robots()["seven_joint.xml"].read_text(encoding="utf-8"))
+        arms = {"light": light, "heavy": heavy(Path(name), light.read_text())}
+        seconds(light)  # loads the law
+        for label, arm in arms.items():
+            found = [seconds(arm) for _ in range(rounds)]
+            print(
+                f"{label}: {statistics.median(found):.3f} s ({min(found):.3f} to {max(found):.3f})"
+            )
+    print(f"{rmj.__file__}, MuJoCo {mujoco.__version__}, median of {rounds}")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import numpy as np
 from .. import library
 from ..callback.foreign import refuse_foreign
 from ..errors import StabilityError
+from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
 from ..laws import laws
 from ..laws.gains import Gains, gains
@@ -103,7 +104,8 @@ class Plan:
         """What was found, changed or is doubtful, a line each."""
         with heard() as warned:
             before = notes.before(self.loaded, self.joints, self.optima)
-            found = (*self.robot.notes, *before, *self.unstable)
+            given = without_effect(self.experiment)
+            found = (*self.robot.notes, *given, *before, *self.unstable)
         return tuple(dict.fromkeys((*found, *warned)))
 
     @cached_property

@@ -1,0 +1,63 @@
+"""A key that changes nothing is said; one that changes something never is."""
+
+import numpy as np
+import pytest
+
+import resonance_mj as rmj
+from resonance_mj import library
+from resonance_mj.experiments.effects import without_effect
+
+SHORT = {"motion.0.duration": 3.0, "motion.1.duration": 3.0, "expect": {}}
+GIVEN = {
+    "parameters": [1.0],
+    "beta": 2.0,
+    "eta": 0.3,
+    "lead": 2,
+    "harmonics": 7,
+    "omega": 50.0,
+    "gamma_k": 20.0,
+    "gamma_qe": 30.0,
+    "q_c": [4.1, -1.7],
+    "q_s": [4.1, -1.7],
+    "jacobian": "transpose",
+}
+
+
+@pytest.mark.parametrize("gains", [{}, {"gamma_k": 10.0, "gamma_qe": 10.0}])
+@pytest.mark.parametrize("kind", ["feedback", "learning", "fixed", "joint-space", "paper"])
+def test_what_is_said_to_have_no_effect_has_none_and_the_rest_has(kind, gains):
+    """Each key in turn, by whole runs to the last bit."""
+    paper = rmj.load("paper")
+    motion = [paper.motion[0].model_dump() | {"duration": 2.0}]
+    base = paper.replace({"law": {"kind": kind, **gains}, "motion": motion, "expect": {}})
+    plain = rmj.simulate(base).data
+    wrong = []
+    velocity = "difference" if kind in ("paper", "joint-space") else "jacobian"
+    for key, value in (GIVEN | {"velocity": velocity}).items():
+        changed = base.replace({f"law.{key}": value})
+        said = any(line.startswith(f"law.{key} =") for line in without_effect(changed))
+        data = rmj.simulate(changed).data
+        same = all(np.array_equal(data[name], plain[name]) for name in ("q", "tau", "stiffness"))
+        if said != same:
+            wrong.append(key)
+    assert wrong == []
+
+
+def test_the_runs_that_come_with_the_program_have_no_such_key():
+    for name in library.experiments():
+        assert without_effect(rmj.load(name)) == []
+
+
+def test_an_experiment_with_every_default_written_out_has_no_such_key(tmp_path):
+    path = tmp_path / "arm.toml"
+    path.write_text(rmj.load("seven-joint").to_toml())
+    assert without_effect(rmj.load(path)) == []
+
+
+def test_a_run_has_it_among_its_notes():
+    changed = rmj.load("paper").replace({"law": {"kind": "transfer", "q_c": [1.0, 2.0]}, **SHORT})
+    (line,) = (line for line in rmj.simulate(changed).notes if "no effect" in line)
+    assert line == (
+        "law.q_c = [1.0, 2.0] has no effect: law.kind = 'transfer' does not adapt the stiffness by "
+        "(6) here"
+    )
