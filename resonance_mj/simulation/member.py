@@ -62,18 +62,19 @@ class Member:
         elif cycle + 1 < len(self.plan.schedule):
             self._learn(cycle, signals, springs)
 
-    def run(self, wall_s: float, warned: list[str]) -> Run:
+    def run(self, wall_s: float) -> Run:
         """The run so far.
 
         Args:
             wall_s: wall time of the simulation [s].
-            warned: notes on what MuJoCo warned of meanwhile.
         """
+        warned = self._stepper.warnings(self._index)
+        notes = (*self.plan.notes, *self._recording.notes(), *warned)
         return Run(
             experiment=self.plan.experiment,
             status=self.status,
             message=self._message,
-            notes=(*self.plan.notes, *self._recording.notes(), *warned),
+            notes=tuple(dict.fromkeys(notes)),
             data=self._recording.dataset(),
             steps=self._steps,
             simulation_wall_s=wall_s,

@@ -143,7 +143,7 @@ def simulate_plans(
     memory = Memory(stepper.userdata, first.layout)
     members = [Member(plan, memory, stepper, index) for index, plan in enumerate(plans)]
     wall = 0.0
-    with heard() as warned, installed(interpret=interpret, command=first.law.command):
+    with heard(), installed(interpret=interpret, command=first.law.command):
         for cycle, segment in enumerate(first.schedule):
             going = [i for i, member in enumerate(members) if member.status is Status.OK]
             if not going:
@@ -158,6 +158,4 @@ def simulate_plans(
                 members[i].end_cycle(cycle)
             if progress:
                 progress(cycle + 1, len(first.schedule))
-    # Of a batch, MuJoCo does not say which robot it warns of.
-    notes = [f"MuJoCo warned: {line}" for line in warned]
-    return [member.run(wall, notes if len(members) == 1 else []) for member in members]
+    return [member.run(wall) for member in members]
