@@ -1,6 +1,8 @@
 """A law from outside the package runs through the same callback."""
 
+import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -61,7 +63,16 @@ def test_compiled_and_interpreted_custom_law_agree_to_the_last_bit(tmp_path):
         ("import nothing_like_this\n", ["mine.py", "cannot be executed", "nothing_like_this"]),
         (PD.replace("return total", "return 1, total"), ["mine.py", "learn returned", "needed"]),
         (PD.replace("q.mean", "q.meen"), ["mine.py", "learn raised", "meen"]),
-        (PD.replace("tau[j] = u", "tau[j] = nowhere + u"), ["cannot be compiled", "--interpret"]),
+        (
+            PD.replace("tau[j] = u", "tau[j] = nowhere + u"),
+            ["mine.py", "cannot be compiled", "'nowhere' is not defined in line 13", "--interpret"],
+        ),
+        (
+            PD.replace("parameters[0]", "np.nothing(q)"),
+            ["mine.py", "cannot be compiled: ", "nothing"],
+        ),
+        (PD.replace("u[j] - y[j]", "'a'"), ["mine.py: command cannot", "setitem(array"]),
+        (PD.replace("total = u", "yield u"), ["mine.py: learn yields"]),
     ],
 )
 def test_a_law_that_does_not_fit_is_refused_in_one_line(tmp_path, text, words):
@@ -70,6 +81,59 @@ def test_a_law_that_does_not_fit_is_refused_in_one_line(tmp_path, text, words):
     message = str(caught.value)
     assert "\n" not in message
     assert [word for word in words if word not in message] == []
+
+
+FAILING = {
+    "raises": "if q[0] < 9.0:\n        raise ValueError('no')",
+    "asserts": "assert q[0] > 9.0",
+    "leaves an array": "tau[0] = parameters[7]",
+}
+
+
+@pytest.mark.parametrize("failing", FAILING)
+def test_a_law_that_fails_within_a_step_ends_the_run_in_one_line(tmp_path, failing):
+    """In processes of their own: the second has the machine code from disk, and no compiler."""
+    text = "def command(J, error, rate, q, dq, u, parameters, y, tau):\n    " + FAILING[failing]
+    (tmp_path / "mine.py").write_text(text + "\n")
+    run = [sys.executable, "-m", "resonance_mj.cli", "run", "--robot", "two_link.xml"]
+    run += ["--law.kind", "mine.py", "--motion.0.duration", "2"]
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")}
+    compiled, loaded, interpreted = (
+        subprocess.run([*run, *more], cwd=tmp_path, env=environment, capture_output=True, text=True)
+        for more in ([], [], ["--interpret"])
+    )
+    for done in (compiled, loaded):
+        assert done.returncode == 2
+        assert re.fullmatch(r"resonance-mj: mine.py: command raised an .*\n", done.stderr)
+    assert interpreted.returncode == 2
+    assert re.fullmatch(
+        r"resonance-mj: mine.py: command raised \w+Error.* in line [23]\n", interpreted.stderr
+    )
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_law_that_allocates_runs_from_disk_too(tmp_path):
+    text = DAMPER.format(read="import numpy as np", gain="np.full(3, -2.5)[j + 1]")
+    (tmp_path / "mine.py").write_text(text)
+    code = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); import test_laws\n"
+    code += "from pathlib import Path\nprint(test_laws.applied_gain(Path()))"
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")}
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+        assert done.stdout == "-2.5\n", done.stderr
+
+
+def test_a_helper_of_a_law_is_plain_python(tmp_path):
+    read = "GAIN = -1.5\ndef helper(x):\n    return GAIN * x\n"
+    text = DAMPER.format(read=read, gain="1.0").replace("1.0 * dq[j]", "helper(dq[j])")
+    (tmp_path / "mine.py").write_text(text)
+    assert applied_gain(tmp_path) == pytest.approx(-1.5)
 
 
 DAMPER = """from pathlib import Path

@@ -15,8 +15,9 @@ from typing import Any
 
 import mujoco
 
-from ..errors import CallbackError
+from ..errors import CallbackError, ExperimentError
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
+from ..laws.custom_law import custom, said
 from ..laws.memory import Header, block, matrix
 from ..step_functions import STEP_FUNCTIONS
 from .foreign import installing, libmujoco, refuse_foreign
@@ -78,7 +79,14 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
         rotational = jacobian[3:] if mem[Header.ROTATES] == 1.0 else None
         mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
         orientation = data.site_xmat[site].reshape(3, 3)
-        act(mem, data.qpos, data.qvel, data.site_xpos[site], orientation, data.ctrl, command)
+        position = data.site_xpos[site]
+        try:
+            act(mem, data.qpos, data.qvel, position, orientation, data.ctrl, command)
+        except (Exception, SystemExit) as error:
+            if (law := custom(command)) is None:
+                raise
+            file = law.__code__.co_filename
+            raise ExperimentError(f"{file}: command raised {said(error, file)}") from error
     if failed(mem):
         hold(data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
     end_stage(mem, model.jnt_stiffness, model.qpos_spring)
@@ -91,6 +99,12 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
     """
     import llvmlite.binding
 
+    if custom(command):
+        import numba
+
+        # Compiling anything defines what a law needs that allocates or raises.
+        numba.cfunc("void()")(lambda: None)
+
     from . import machine_code, structs
 
     llvmlite.binding.load_library_permanently(str(libmujoco()))
@@ -102,7 +116,7 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
         return compilation.translate(*layout, command)
 
     depends_on = frozen(command)
-    key = None if depends_on is None else repr(layout).encode() + _sources() + depends_on
+    key = None if depends_on is None else repr(layout).encode() + _sources(command) + depends_on
     if key in _ready:
         return _ready[key]
     address = machine_code.load(key, translate)
@@ -112,8 +126,8 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
     return function
 
 
-def _sources() -> bytes:
+def _sources(command: Command) -> bytes:
     """All source code that the callback is made of: an edit in any of its files compiles anew."""
     files = {str(Path(__file__).with_name("compilation.py"))}
-    files |= {function.__code__.co_filename for function in STEP_FUNCTIONS}
+    files |= {function.__code__.co_filename for function in (*STEP_FUNCTIONS, command)}
     return b"".join(Path(file).read_bytes() for file in sorted(files))

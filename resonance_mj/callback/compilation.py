@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from types import FunctionType
 from typing import Any
 
 import numba
@@ -11,12 +13,15 @@ from numba.core import cgutils
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic, overload, register_jitable
 
-from ..errors import CallbackError
+from ..errors import ExperimentError
 from ..laws import memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
+from ..laws.custom_law import custom
 from ..laws.memory import Header, block, matrix
 from ..laws.own import own, row
 from ..step_functions import STEP_FUNCTIONS
+from ..text import cut
+from .frozen import globals_read
 
 
 def translate(
@@ -33,12 +38,13 @@ def translate(
         The text, and the name of the C function in it: `void (mjModel *, mjData *)`.
 
     Raises:
-        CallbackError: Numba cannot compile the command.
+        ExperimentError: Numba cannot compile the command of a law's file.
     """
-    cells = [cell.cell_contents for cell in command.__closure__ or ()]
-    for function in (*STEP_FUNCTIONS, command, *cells):
+    for function in (*STEP_FUNCTIONS, command):
         # What makes the views is inlined, so that those that are not used cost nothing.
         register_jitable(forceinline=function in (own, row))(function)
+    law = custom(command)
+    command = command if law is None else _guarded(command, law)
     jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
     userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
 
@@ -81,13 +87,56 @@ def translate(
     signature = types.void(types.intp, types.intp)
     try:
         compiled = numba.cfunc(signature, error_model="numpy")(control)
-    except NumbaError as error:
-        reason = str(error).strip().splitlines()
-        raise CallbackError(
-            "the law cannot be compiled, try --interpret to debug it: "
-            + " ".join(line.strip() for line in reason[:3])
+    except Exception as error:
+        if law is None:
+            raise
+        raise ExperimentError(
+            f"{law.__code__.co_filename}: command cannot be compiled: {_reason(law, error)}; "
+            "--interpret runs it as plain Python"
         ) from error
     return compiled.inspect_llvm(), compiled.native_name
+
+
+def _guarded(command: Command, law: Callable[..., None]) -> Command:
+    """A custom command that fails the run where it raises an exception or leaves an array."""
+    for function in _reached(law, {}):
+        register_jitable(boundscheck=True)(function)
+
+    @register_jitable
+    def guarded(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+        try:
+            command(memory, qpos, qvel)
+        except Exception:
+            memory[Header.FAILED_STEP] = memory[Header.STEP] + 1.0
+            memory[Header.FAILED_JOINT] = -1.0
+
+    return guarded
+
+
+def _reached(function: Any, found: dict[Any, None]) -> dict[Any, None]:
+    """A function and those that it calls by their names, but for this package's."""
+    if isinstance(function, FunctionType) and function not in (*found, *STEP_FUNCTIONS):
+        found[function] = None
+        for called in globals_read(function).values():
+            _reached(called, found)
+    return found
+
+
+def _reason(law: Callable[..., None], error: Exception) -> str:
+    """Why Numba cannot compile a law: what it says of the law alone, if it does, with the line."""
+    vector = numba.float64[::1]
+    try:
+        numba.njit((numba.float64[:, ::1], *[vector] * 8), error_model="numpy")(law)
+    except Exception as alone:
+        error = alone
+    said = str(error)
+    if isinstance(error, NumbaError):
+        said = said.partition("\n")[2] or said  # the first line names a pass of the compiler
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    reason = " ".join(lines[: 2 if lines and lines[0].endswith(":") else 1])
+    line = getattr(getattr(error, "loc", None), "line", None)
+    at = f" in line {line}" if line else ""
+    return f"{cut(reason or type(error).__name__, 300)}{at}"
 
 
 # Resolved by name when the machine code is loaded: an address could not be kept on disk.

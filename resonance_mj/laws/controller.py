@@ -56,6 +56,8 @@ def act(
     k, offset, q_c = own.stiffness, own.offset, own.q_c
     measure(memory, qvel, tool, orientation, row.x)
     command(memory, qpos, qvel)
+    if failed(memory):
+        return
     limit(own.tau, own.tau_min, own.tau_max)
 
     for j in range(own.n):

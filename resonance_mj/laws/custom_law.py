@@ -67,7 +67,7 @@ class CustomLaw:
                 for part in self.learn(**{name: given[name] for name in names})
             )
         except (Exception, SystemExit) as error:
-            raise ExperimentError(f"{self.file}: learn raised {_said(error, self.file)}") from error
+            raise ExperimentError(f"{self.file}: learn raised {said(error, self.file)}") from error
         wanted = [cycle.u.shape, *(part.shape for part in cycle.springs)]
         shapes = [part.shape for part in found]
         if shapes != wanted or not all(np.isfinite(part).all() for part in found):
@@ -111,7 +111,7 @@ def _executed(path: Path, source: str) -> ModuleType:
         with _fresh_modules(path.resolve().parent):
             exec(compile(source, str(path), "exec"), vars(module))
     except (Exception, SystemExit) as error:
-        raise ExperimentError(f"{path}: cannot be executed: {_said(error, str(path))}") from error
+        raise ExperimentError(f"{path}: cannot be executed: {said(error, str(path))}") from error
     return module
 
 
@@ -145,7 +145,13 @@ def _fresh_modules(folder: Path) -> Iterator[None]:
         sys.modules.update(before)
 
 
-def _said(error: BaseException, file: str) -> str:
+def custom(command: Command) -> Callable[..., None] | None:
+    """The function of a law's file that a command runs; None for the package's own commands."""
+    cells = command.__closure__
+    return cells[0].cell_contents if cells else None
+
+
+def said(error: BaseException, file: str) -> str:
     """An error of a user's code in a line, with the line of the file where it is known."""
     line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else None
     trace = error.__traceback__
@@ -160,13 +166,13 @@ def _said(error: BaseException, file: str) -> str:
 def _arguments(file: str, name: str, function: object) -> tuple[str, ...]:
     if not inspect.isfunction(function):
         raise ExperimentError(f"{file}: {name} is {cut(repr(function))}; a function is needed")
+    if inspect.isgeneratorfunction(function) or inspect.iscoroutinefunction(function):
+        raise ExperimentError(f"{file}: {name} yields or awaits; a plain function is needed")
     return tuple(inspect.signature(function).parameters)
 
 
 def _adapted(custom: Callable[..., None]) -> Command:
     """A custom `command` as the control step calls it."""
-    # Its runtime must be there: a compiled law of one's own may allocate or raise.
-    importlib.import_module("numba")
 
     def command(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
         own = views(memory)

@@ -108,7 +108,7 @@ _SCALARS = (
     "step",  # control steps since the cycle began
     "speed_limit",  # [rad/s]
     "failed_step",  # control step in which the run diverged, counted from 1; 0 if it has not
-    "failed_joint",  # its joint
+    "failed_joint",  # its joint; -1 where a custom law raised an exception
 )
 
 _HEADER = [name.upper() for name in (*_SCALARS, *ARRAYS)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import ExperimentError
 from ..laws import controller, learning
 from ..laws.memory import COLUMNS, Memory
 from ..plan.plan import Plan
@@ -49,9 +50,18 @@ class Member:
         )
 
     def end_cycle(self, cycle: int) -> None:
-        """Record a cycle, see how it ended, and learn from it what the next one does."""
+        """Record a cycle, see how it ended, and learn from it what the next one does.
+
+        Raises:
+            ExperimentError: a law from a file has failed.
+        """
         steps = self.plan.steps(self.plan.schedule[cycle])
         failed = int(self._memory.scalar("failed_step")[self._index])
+        if self._memory.scalar("failed_joint")[self._index] < 0:
+            raise ExperimentError(
+                f"{self.plan.experiment.law.kind}: command raised an exception at step {failed} of "
+                f"cycle {cycle + 1}; --interpret says which, and in which line"
+            )
         signals = self._signals(failed - 1 if failed else steps)
         springs = self._springs
         self._recording.add(signals, springs, whole=not failed)
