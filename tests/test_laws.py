@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj.callback.frozen import frozen
 from resonance_mj.experiments.loading import for_robot
 
 PAGE = Path(__file__).parents[1] / "docs" / "custom-law.md"
@@ -158,6 +159,12 @@ def applied_gain(folder):
         ('GAIN = float((Path(__file__).parent / "gain.py").read_text())', "GAIN", "{}"),
         ("from gain import GAIN", "GAIN", "GAIN = {}"),
         ("import gain", "gain.GAIN", "GAIN = {}"),
+        (
+            "from gain import GAINS",
+            "GAINS.a",
+            "from collections import namedtuple\n"
+            "GAINS = namedtuple('Gains', 'a b' if {} == -2.0 else 'b a')(-2.0, -3.0)",
+        ),
     ],
 )
 def test_what_a_law_reads_or_imports_counts_in_each_run(tmp_path, read, gain, file):
@@ -165,6 +172,21 @@ def test_what_a_law_reads_or_imports_counts_in_each_run(tmp_path, read, gain, fi
     for number in (-2.0, -3.0):
         (tmp_path / "gain.py").write_text(file.format(number))
         assert applied_gain(tmp_path) == pytest.approx(number)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "GAIN = np.zeros(200_000)\ndef command(): return GAIN[0]",  # compiled as its address
+        "import numba\n@numba.njit\ndef f(x): return x\ndef command(): return f(1.0)",
+        "from numba import njit\n@njit\ndef f(x): return x\ndef command(): return f(1.0)",
+        "class A:\n    b = 1\ndef command(): return A.b",
+    ],
+)
+def test_what_the_code_of_a_law_does_not_tell_is_not_kept(text):
+    module = {"np": np, "__name__": "mine"}
+    exec(text, module)
+    assert frozen(module["command"]) is None
 
 
 def test_a_law_that_is_the_same_as_before_is_not_compiled_again(tmp_path, monkeypatch):

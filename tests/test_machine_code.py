@@ -4,6 +4,7 @@ import ctypes
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -85,6 +86,13 @@ def test_the_cache_keeps_the_newest(cache):
 def test_without_a_folder_to_write_each_process_compiles(cache):
     cache.write_text("a file where the folder would be")
     assert answer(b"one", translated) == 42
+
+
+def test_without_a_home_nothing_is_put_into_the_working_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(machine_code, "user_cache_path", lambda name: Path("~", ".cache", name))
+    assert answer(b"one", translated) == 42
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_run_with_its_law_on_disk_imports_no_compiler():

@@ -74,8 +74,10 @@ def _trusted_folder(name: str) -> Path | None:
     """A file's path in the user's cache folder; None where others could write there."""
     try:
         folder = user_cache_path("resonance-mj")
+        if not folder.is_absolute():
+            return None
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        trusted = folder.is_absolute() and _own(folder.lstat(), stat.S_ISDIR)
+        trusted = _own(folder.lstat(), stat.S_ISDIR)
     except (OSError, RuntimeError):  # it cannot be made, or the user has no home
         return None
     return folder / name if trusted else None
