@@ -17,7 +17,7 @@ from ...errors import PictureError
 from ...files import could_be_written
 from ...results.run import Run
 from ...text import listed
-from . import encoding, gl, plots
+from . import encoding, gl, plots, setting
 from . import shot as shots
 from .filming import BROKEN, READY, WRONG, Job
 from .look import Look
@@ -121,7 +121,7 @@ def film(
     Raises:
         PictureError, OutputError, RobotError: as `render`.
     """
-    path, look = Path(path), look or Look()
+    path, look, note = Path(path), look or Look(), note or (lambda line: None)
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
     if labels and len(labels) != len(runs):
@@ -131,11 +131,15 @@ def film(
     encoding.check(path, look.background == "transparent")
     could_be_written(path.parent)
     if path.suffix.lower() == ".mp4":
-        look = _even(look, note or (lambda line: None))
+        look = _even(look, note)
     names = tuple(labels or (one.experiment.name for one in runs))
     taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
     job = Job(
         shots=taken,
+        models=tuple(
+            setting.prepare(one, look, (right - left, look.size[1] - look.strip_height), note)
+            for one, (left, right) in zip(taken, look.columns(len(taken)), strict=True)
+        ),
         strips=plots.strips(tuple(runs), look),
         look=look,
         scales=shots.scales(taken),
