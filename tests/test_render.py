@@ -270,6 +270,11 @@ def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
         (["-o", "motion.mp4", "--background", "pink"], "sky, white, dark, transparent"),
         (["-o", "motion.mp4", "--size", "big"], "as in 1280x720"),
         (["-o", "motion.mp4", "--fps", "0"], "fps = 0"),
+        (["-o", "motion.mp4", "--fps", "1e9"], "fps = 1e+09"),
+        (["-o", "motion.mp4", "--speed", "nan"], "speed = nan"),
+        (["-o", "motion.mp4", "--speed", "1e-9"], "a video has at most 1000000"),
+        (["-o", "motion.mp4", "--camera", "nan,0,1"], "camera nan,0,1: angles"),
+        (["-o", "motion.mp4", "--camera", "0,0,1e300"], "camera 0,0,1e300: angles"),
         pytest.param(["-o", "/proc/motion.mp4"], "cannot be written", marks=pytest.mark.opengl),
     ],
 )
@@ -346,6 +351,18 @@ def test_what_stands_in_the_working_folder_is_not_executed(folder, tmp_path):
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert video.stat().st_size > 0
+
+
+@pytest.mark.opengl
+def test_a_label_is_one_line_whatever_is_in_it(run, tmp_path):
+    look = rmj.Look(size=SMALL)
+    for label in ("two\nlines\0", "long " * 1000, ""):
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, 10.0, look=look, labels=[label])
+
+
+def test_runs_that_have_no_room_side_by_side_are_refused(run, tmp_path):
+    with pytest.raises(PictureError, match=r"9 runs side by side .* 32 columns each"):
+        rmj.render([run] * 9, tmp_path / "o.mp4", look=rmj.Look(size=SMALL))
 
 
 def test_as_many_labels_as_runs_are_needed(run, tmp_path):

@@ -45,7 +45,7 @@ def show_arm(
     return True
 
 
-def _opacity(model: mujoco.MjModel, geom: int) -> float:
+def _opacity(model: mujoco.MjModel, geom: np.integer) -> float:
     material = model.geom_matid[geom]
     own = material < 0 or (model.geom_rgba[geom] != NOTHING).any()
     return float((model.geom_rgba[geom] if own else model.mat_rgba[material])[3])
