@@ -21,6 +21,7 @@ from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots import source
 from ..robots.robot import Robot, build
+from ..robots.warned import heard
 from ..springs.optimum import Optimum, best_springs
 from . import notes
 from .inputs import Input, gather
@@ -101,9 +102,11 @@ class Plan:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What was found, changed or is doubtful, a line each."""
-        before = notes.before(self.loaded, self.joints, self.optima)
-        given = without_effect(self.experiment)
-        return (*self.robot.notes, *given, *before, *self.unstable)
+        with heard() as warned:
+            before = notes.before(self.loaded, self.joints, self.optima)
+            given = without_effect(self.experiment)
+            found = (*self.robot.notes, *given, *before, *self.unstable)
+        return tuple(dict.fromkeys((*found, *warned)))
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:

@@ -39,6 +39,13 @@ def _joints_of(model: mujoco.MjModel, body: int) -> range:
     return range(first, first + int(model.body_jntnum[body]))
 
 
+def weld_rest(model: mujoco.MjModel, chain: list[int]) -> None:
+    """Let MuJoCo look for contacts as if the joints that are not of a chain were gone."""
+    for body in range(1, model.nbody):
+        if not set(_joints_of(model, body)) & set(chain):
+            model.body_weldid[body] = model.body_weldid[model.body_parentid[body]]
+
+
 def carries_spring(model: mujoco.MjModel, joint: int) -> bool:
     """Whether a joint is a hinge or a slide."""
     return int(model.jnt_type[joint]) in (

@@ -1,4 +1,4 @@
-"""An editable model is compiled, with MuJoCo's own message and the file in the error."""
+"""A file is parsed and compiled, with MuJoCo's own message and the file in the error."""
 
 from __future__ import annotations
 
@@ -9,9 +9,36 @@ from pathlib import Path
 import mujoco
 
 from ..errors import RobotError
-from . import warned
+from . import names, urdf, warned
 
 _turn = threading.Lock()
+
+
+def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
+    """A file as an editable model, in which every joint and body has a name.
+
+    Args:
+        path: of the file.
+        visuals: whether what is only seen is kept; it is where MuJoCo needs it for inertias.
+
+    Raises:
+        RobotError: MuJoCo rejects the file.
+    """
+    try:
+        # From a relative path it does not find meshes that lie beside a file that is included.
+        spec = mujoco.MjSpec.from_file(str(path.absolute()))
+        if visuals and urdf.is_urdf(path):
+            spec = urdf.with_visuals(path, spec)
+    except (ValueError, mujoco.FatalError) as error:
+        raise RobotError(rejected(path, error)) from None
+    # Bodies that are fused would lose their names, and the others their numbers; a payload's body
+    # must not be made one with the tool's.
+    spec.compiler.fusestatic = False
+    needed = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    spec.compiler.discardvisual = not (visuals or needed)
+    names.name_all(spec.joints, "joint")
+    names.name_all(spec.bodies, "body")
+    return spec
 
 
 def compile_spec(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
@@ -25,7 +52,7 @@ def compile_spec(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
         warnings.simplefilter("always")
         try:
             model = spec.compile()
-        except ValueError as error:
+        except (ValueError, mujoco.FatalError) as error:
             raise RobotError(rejected(path, error)) from None
     for one in said:
         warned.hear(str(one.message))

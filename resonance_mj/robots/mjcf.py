@@ -17,8 +17,8 @@ from .. import library
 from ..errors import RobotError
 from ..files import is_file
 from ..text import listed, shown
-from . import chain, clearing, menagerie, motors, names, poses
-from .compiling import compile_spec, rejected
+from . import chain, clearing, menagerie, motors, names, poses, sound
+from .compiling import compile_spec, parse
 from .tool import Tool, find_tools
 
 TOOL_SITE = "resonance_mj_tool"
@@ -32,7 +32,7 @@ class Arm:
     Attributes:
         path: of the file.
         spec: an editable copy of the file's model with motors and without what moves off the arm.
-        model: the file's model as it is.
+        model: the file's model as it is, what is off the arm welded to it.
         at_home: its state, with the joints off the arm where they are held.
         joints: names of the joints from the world to the tool.
         joint_id: their ids in `model` (n,).
@@ -105,7 +105,8 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     mujoco.mj_clearCache(mujoco.mj_getCache())
     # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
     # that has been compiled copies all of them each time.
-    model, spec = compile_spec(_spec(path, visuals=False), path), _spec(path, visuals=True)
+    model, spec = compile_spec(parse(path, visuals=False), path), parse(path)
+    sound.check_numbers(model, path)
     notes: list[str] = []
     tools = find_tools(model, tool, path, notes)
     site, body = tools[0].name, int(model.body(tools[0].body).id)
@@ -120,6 +121,7 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
         poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
     at_home, has_key = _at_home(model, home, path)
+    chain.weld_rest(model, joint_ids)
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]
     motors.keep_rotors(spec, model, joint_ids)
@@ -144,27 +146,6 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if has_key else None,
         notes=notes,
     )
-
-
-def _spec(path: Path, *, visuals: bool) -> mujoco.MjSpec:
-    """A file as an editable model, in which every joint and body has a name.
-
-    Args:
-        path: of the file.
-        visuals: whether what is only seen is kept; it is where MuJoCo needs it for inertias.
-    """
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise RobotError(rejected(path, error)) from None
-    # Bodies that are fused would lose their names, and the others their numbers; a payload's body
-    # must not be made one with the tool's.
-    spec.compiler.fusestatic = False
-    needed = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    spec.compiler.discardvisual = not (visuals or needed)
-    names.name_all(spec.joints, "joint")
-    names.name_all(spec.bodies, "body")
-    return spec
 
 
 def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoco.MjData, bool]:

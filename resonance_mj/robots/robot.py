@@ -134,11 +134,11 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
     given = experiment.robot
     with heard() as warned:
         keyframe = given.home if isinstance(given.home, str) else None
+        sound.check_texts(mjcf.find(given.mjcf))
         arm = mjcf.read(given.mjcf, given.tool, keyframe)
         path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
         _set_options(spec, experiment)
         arm.model.opt.disableflags = spec.option.disableflags
-        sound.check_numbers(arm.model, path)
         home = _home(experiment, arm)
         axes = _axes(experiment, arm.jacobian(home), path, notes)
         _check_lengths(experiment, joints, axes, path)
@@ -175,7 +175,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         inertia=inertia,
         jacobian=J,
         usual=float(np.sqrt(max(np.linalg.det(J @ J.T), 0.0))),
-        notes=(*notes, *(f"MuJoCo warns: {line}" for line in warned)),
+        notes=(*notes, *warned),
         tools=arm.tools,
         path=path,
     )

@@ -37,9 +37,8 @@ def heard() -> Iterator[list[str]]:
 def hear(text: str) -> None:
     """Add a warning to what this thread hears. It never raises: MuJoCo would end the process."""
     for said in _own()[-1:]:
-        line = _without_time(text)
-        if line not in said:
-            said.append(line)
+        if _note(text) not in said:
+            said.append(_note(text))
 
 
 def counted(warnings: Iterable[tuple[int, int]]) -> list[str]:
@@ -49,7 +48,7 @@ def counted(warnings: Iterable[tuple[int, int]]) -> list[str]:
         warnings: of each kind of warning, in MuJoCo's order, what it was last about, and how often.
     """
     return [
-        _without_time(mujoco.mju_warningText(kind, int(info)))
+        _note(mujoco.mju_warningText(kind, int(info)))
         for kind, (info, number) in enumerate(warnings)
         if number
     ]
@@ -75,6 +74,6 @@ def _install(users: int) -> None:
             mujoco.set_mju_user_warning(_before)
 
 
-def _without_time(text: str) -> str:
-    """A warning in one line, without the time at which it was given."""
-    return re.sub(r" Time = \S+$", "", " ".join(text.split()))
+def _note(text: str) -> str:
+    """A warning as a note: in one line, without the time at which it was given."""
+    return f"MuJoCo warns: {re.sub(r' Time = .+$', '', ' '.join(text.split()))}"

@@ -68,11 +68,13 @@ class Member:
         Args:
             wall_s: wall time of the simulation [s].
         """
+        warned = self._stepper.warnings(self._index)
+        notes = (*self.plan.notes, *self._recording.notes(), *warned)
         return Run(
             experiment=self.plan.experiment,
             status=self.status,
             message=self._message,
-            notes=(*self.plan.notes, *self._recording.notes()),
+            notes=tuple(dict.fromkeys(notes)),
             data=self._recording.dataset(),
             steps=self._steps,
             simulation_wall_s=wall_s,

@@ -12,6 +12,7 @@ from ..experiments.experiment import Experiment
 from ..laws.memory import Memory
 from ..plan.plan import Followed, Plan, plan_for
 from ..results.run import Run
+from ..robots.warned import heard
 from ..status import Status
 from .member import Member
 from .stepper import Alone, Stepper, Together
@@ -142,7 +143,7 @@ def simulate_plans(
     memory = Memory(stepper.userdata, first.layout)
     members = [Member(plan, memory, stepper, index) for index, plan in enumerate(plans)]
     wall = 0.0
-    with installed(interpret=interpret, command=first.law.command):
+    with heard(), installed(interpret=interpret, command=first.law.command):
         for cycle, segment in enumerate(first.schedule):
             going = [i for i, member in enumerate(members) if member.status is Status.OK]
             if not going:

@@ -7,6 +7,8 @@ from typing import Protocol
 import mujoco
 import numpy as np
 
+from ..robots.warned import counted
+
 
 class Stepper(Protocol):
     """Robots that step together. `userdata` is that of each (robots, nuserdata)."""
@@ -19,6 +21,9 @@ class Stepper(Protocol):
 
     def step(self, robots: list[int], steps: int) -> None:
         """Advance some of the robots by a number of time steps."""
+
+    def warnings(self, robot: int) -> list[str]:
+        """What MuJoCo has warned of in a robot's steps."""
 
 
 class Alone:
@@ -36,6 +41,10 @@ class Alone:
     def step(self, robots: list[int], steps: int) -> None:
         """Advance the robot by a number of time steps."""
         mujoco.mj_step(self.models[0], self.data, steps)
+
+    def warnings(self, robot: int) -> list[str]:
+        """What MuJoCo has warned of in the robot's steps."""
+        return counted((one.lastinfo, one.number) for one in self.data.warning)
 
 
 class Together:
@@ -59,3 +68,7 @@ class Together:
         # The springs that were written into the models: what set_models copies, it copies here.
         self._batch.set_models(self.models)
         self._batch.step(ids=np.array(robots), nstep=steps)
+
+    def warnings(self, robot: int) -> list[str]:
+        """What MuJoCo has warned of in a robot's steps."""
+        return counted(self._batch.warning[robot])
