@@ -185,6 +185,43 @@ def test_a_model_without_light_floor_or_buffer_is_lit_and_its_file_is_not_change
     assert scene[:, 100:220].std() > 20
 
 
+UNSEEN = {
+    "no geom": ("", "drawn as lines between its joints"),
+    "a hidden group": (
+        '<geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" group="3"/>',
+        "group",
+    ),
+    "transparent": (
+        '<geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" rgba="1 1 1 0"/>',
+        "drawn as lines between its joints",
+    ),
+}
+
+
+@pytest.mark.opengl
+@pytest.mark.parametrize("kind", UNSEEN)
+def test_an_arm_of_which_nothing_would_be_seen_is_seen_and_said_so(tmp_path, kind):
+    geom, words = UNSEEN[kind]
+    inertial = '<inertial pos=".1 0 0" mass="1" diaginertia=".01 .01 .01"/>'
+    mjcf = tmp_path / "arm.xml"
+    mjcf.write_text(re.sub("<geom[^>]*>", geom + inertial, DARK_ARM))
+    experiment = rmj.Experiment(
+        name="unseen",
+        robot={"mjcf": str(mjcf), "home": [0.5, 1.0]},
+        motion=[{"duration": 2.0, "shape": "ellipse", "size": [0.03, 0.03]}],
+    )
+    bare = dict.fromkeys(
+        ("path", "trail", "springs", "motors", "strip", "head_up", "legend"), False
+    )
+    look, said = rmj.Look(size=SMALL, background="white", **bare), []
+    video = rmj.render(
+        rmj.simulate(experiment), tmp_path / "o.mp4", 0.5, 0.6, 10.0, look=look, note=said.append
+    )
+    assert (decoded(video)[0].min(axis=2) < 200).mean() > 0.01
+    assert len(said) == 1
+    assert words in said[0]
+
+
 def test_cycles_name_spans_from_the_start_of_the_first_to_the_end_of_the_last(run):
     assert shots.span(run, "2c", "3c") == (1.0, 3.0)
     assert shots.span(run, None, None) == pytest.approx((0.0, 4.0))
@@ -233,6 +270,11 @@ def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
         (["-o", "motion.mp4", "--background", "pink"], "sky, white, dark, transparent"),
         (["-o", "motion.mp4", "--size", "big"], "as in 1280x720"),
         (["-o", "motion.mp4", "--fps", "0"], "fps = 0"),
+        (["-o", "motion.mp4", "--fps", "1e9"], "fps = 1e+09"),
+        (["-o", "motion.mp4", "--speed", "nan"], "speed = nan"),
+        (["-o", "motion.mp4", "--speed", "1e-9"], "a video has at most 1000000"),
+        (["-o", "motion.mp4", "--camera", "nan,0,1"], "camera nan,0,1: angles"),
+        (["-o", "motion.mp4", "--camera", "0,0,1e300"], "camera 0,0,1e300: angles"),
         pytest.param(["-o", "/proc/motion.mp4"], "cannot be written", marks=pytest.mark.opengl),
     ],
 )
@@ -309,6 +351,18 @@ def test_what_stands_in_the_working_folder_is_not_executed(folder, tmp_path):
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert video.stat().st_size > 0
+
+
+@pytest.mark.opengl
+def test_a_label_is_one_line_whatever_is_in_it(run, tmp_path):
+    look = rmj.Look(size=SMALL)
+    for label in ("two\nlines\0", "long " * 1000, ""):
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, 10.0, look=look, labels=[label])
+
+
+def test_runs_that_have_no_room_side_by_side_are_refused(run, tmp_path):
+    with pytest.raises(PictureError, match=r"9 runs side by side .* 32 columns each"):
+        rmj.render([run] * 9, tmp_path / "o.mp4", look=rmj.Look(size=SMALL))
 
 
 def test_as_many_labels_as_runs_are_needed(run, tmp_path):

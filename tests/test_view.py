@@ -41,7 +41,7 @@ class Pretended:
 
     frames, keys, pushed = 1 << 30, {}, 0.0
 
-    def __init__(self, shot, look, scales, clock):
+    def __init__(self, shot, look, scales, clock, note):
         self.shot, self.clock, self.late, self.shown = shot, clock, False, []
         self.wall = clock._now if isinstance(clock._now, Wall) else Wall()
         self.pushes = np.zeros((3, 6))
@@ -98,7 +98,7 @@ def screen(tmp_path_factory):
 
 
 def live(prepared, speed=1.0, once=True):
-    return living.live(prepared, rmj.Look(), Clock(speed, Wall()), once, lambda run: None)
+    return living.live(prepared, rmj.Look(), Clock(speed, Wall()), once, lambda run: None, print)
 
 
 def test_the_clock_is_piecewise_linear_in_the_walls_time():

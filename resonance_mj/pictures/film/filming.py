@@ -12,6 +12,7 @@ import signal
 import sys
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from ...errors import ResonanceError
@@ -28,6 +29,7 @@ class Job:
 
     Attributes:
         shots: the runs side by side.
+        models: the arm of each, and the name of its tool's site.
         strips: the plots below each; None for none.
         look: how the video looks.
         scales: what the overlays' full thickness, colour and length stand for.
@@ -35,6 +37,7 @@ class Job:
     """
 
     shots: tuple[Shot, ...]
+    models: tuple[tuple[mujoco.MjModel, str], ...]
     strips: tuple[Strip | None, ...]
     look: Look
     scales: tuple[Scale, ...]
@@ -48,8 +51,6 @@ def main() -> None:
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     try:
-        import mujoco
-
         mujoco.GLContext(16, 16).free()
     except Exception as error:  # MuJoCo and PyOpenGL raise any where there is none
         _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")
@@ -60,9 +61,9 @@ def main() -> None:
         job: Job = pickle.load(sys.stdin.buffer)
         columns = job.look.columns(len(job.shots))
         scenes = [
-            Scene(shot, job.look, scale, strip, right - left)
-            for shot, scale, strip, (left, right) in zip(
-                job.shots, job.scales, job.strips, columns, strict=True
+            Scene(shot, *model, job.look, scale, strip, right - left)
+            for shot, model, scale, strip, (left, right) in zip(
+                job.shots, job.models, job.scales, job.strips, columns, strict=True
             )
         ]
     except ResonanceError as error:

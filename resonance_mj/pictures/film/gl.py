@@ -23,6 +23,21 @@ def backends(environment: Mapping[str, str] = os.environ) -> tuple[str | None, .
     return ("egl", "osmesa") if sys.platform == "linux" else (None,)
 
 
+def import_mujoco() -> None:
+    """Import MuJoCo without OpenGL: a MUJOCO_GL that does not work would keep it from that.
+
+    Only the processes that draw, which are started with the MUJOCO_GL that stays, need it.
+    """
+    given = os.environ.get("MUJOCO_GL")
+    os.environ["MUJOCO_GL"] = "disable"
+    try:
+        import mujoco  # noqa: F401
+    finally:
+        del os.environ["MUJOCO_GL"]
+        if given is not None:
+            os.environ["MUJOCO_GL"] = given
+
+
 def missing(tried: Mapping[str, str]) -> str:
     """One line on why nothing can be drawn.
 

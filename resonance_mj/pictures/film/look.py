@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from ...errors import PictureError
 
+LEAST = 100
+"""Columns of a run's part [pixels]."""
 GAP = 4
 """Columns between runs side by side [pixels]."""
 BACKGROUNDS = ("sky", "white", "dark", "transparent")
@@ -54,6 +56,7 @@ class Look:
             raise PictureError(
                 f"size {self.size[0]}x{self.size[1]}: width and height must be between 160 and 8192"
             )
+        _ = self.view  # which says what is wrong with it
         if self.follow and self.camera is not None and self.view is None:
             raise PictureError(f"camera {self.camera!r} of the model cannot follow the tool")
 
@@ -87,8 +90,11 @@ class Look:
             azimuth, elevation, distance = (float(part) for part in parts)
         except ValueError:
             return None
-        if distance <= 0:
-            raise PictureError(f"camera {self.camera}: the distance must be greater than 0 m")
+        if not (max(abs(azimuth), abs(elevation)) <= 360 and 1e-3 <= distance <= 1e6):
+            raise PictureError(
+                f"camera {self.camera}: angles must be between -360 and 360 degrees, and the "
+                "distance between 0.001 and 1e6 m"
+            )
         return azimuth, elevation, distance
 
     @property
@@ -99,6 +105,11 @@ class Look:
     def columns(self, runs: int) -> list[tuple[int, int]]:
         """First and last column, exclusive, of each run's part; there is a gap between them."""
         width = self.size[0] + GAP
+        if width // runs - GAP < LEAST:
+            raise PictureError(
+                f"{runs} runs side by side in a picture {self.size[0]} pixels wide have only "
+                f"{max(width // runs - GAP, 0)} columns each: {LEAST} are needed"
+            )
         return [(i * width // runs, (i + 1) * width // runs - GAP) for i in range(runs)]
 
 

@@ -18,6 +18,8 @@ class Scene:
 
     Args:
         shot: what is filmed.
+        model: its arm, from `setting.prepare`.
+        tool: name of the tool's site in it.
         look: how.
         scales: what full thickness, colour and length of the overlays stand for.
         strip: the plots below, if there are any.
@@ -25,15 +27,21 @@ class Scene:
 
     Raises:
         PictureError: the model has no such camera.
-        RobotError: the arm's file is missing or MuJoCo rejects it.
     """
 
     def __init__(
-        self, shot: Shot, look: Look, scales: Scale, strip: Strip | None, width: int
+        self,
+        shot: Shot,
+        model: mujoco.MjModel,
+        tool: str,
+        look: Look,
+        scales: Scale,
+        strip: Strip | None,
+        width: int,
     ) -> None:
         self._shot, self._look, self._strip = shot, look, strip
         height = look.size[1] - look.strip_height
-        self._setting = Setting(shot, look, (width, height))
+        self._setting = Setting(shot, look, model, tool)
         self._camera = self._setting.camera(width / height)
         self._overlays = self._setting.overlays(scales, self._setting.eye(self._camera))
         self._head_up = HeadUp(shot, look, width) if look.head_up else None

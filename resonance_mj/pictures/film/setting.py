@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 
@@ -14,26 +16,40 @@ POSES = 24
 """Poses of a shot that are in the picture for certain."""
 
 
+def prepare(
+    shot: Shot, look: Look, size: tuple[int, int], note: Callable[[str], None]
+) -> tuple[mujoco.MjModel, str]:
+    """The model of a `Setting`, and the name of the tool's site in it.
+
+    Args:
+        shot: what is shown.
+        look: how.
+        size: width and height that are rendered [pixels].
+        note: is called with each line that the user should know.
+
+    Raises:
+        RobotError: the arm's file is missing or MuJoCo rejects it.
+    """
+    return stage.prepare(shot, look, overlays.rings(shot, look), size, note)
+
+
 class Setting:
     """A copy of a shot's model with light, floor and overlays, and the arm's pose in it.
 
     Args:
         shot: what is shown.
         look: how.
-        size: width and height that are rendered [pixels].
+        model: the shot's arm with light, floor and overlays, from `prepare`.
+        tool: name of the tool's site in it.
 
     Attributes:
-        model: the copy.
+        model: as given.
         data: the arm's pose; at first that of the shot's first frame.
         site: id of the tool's site.
-
-    Raises:
-        RobotError: the arm's file is missing or MuJoCo rejects it.
     """
 
-    def __init__(self, shot: Shot, look: Look, size: tuple[int, int]) -> None:
-        self._shot, self._look = shot, look
-        self.model, tool = stage.prepare(shot, look, overlays.rings(shot, look), size)
+    def __init__(self, shot: Shot, look: Look, model: mujoco.MjModel, tool: str) -> None:
+        self._shot, self._look, self.model = shot, look, model
         self.site = int(self.model.site(tool).id)
         self.data = mujoco.MjData(self.model)
         self._ids = [self.model.joint(name).id for name in shot.joints]

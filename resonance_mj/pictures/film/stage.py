@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -12,6 +13,7 @@ from ...robots.compiling import compile_spec
 from . import tubes
 from .look import Look, rgb
 from .shot import Shot
+from .visibility import show_arm
 
 FLAT = {"white": (1.0, 1.0, 1.0), "transparent": (1.0, 1.0, 1.0), "dark": (0.086, 0.094, 0.11)}
 """Backgrounds of one colour; they have no floor."""
@@ -23,7 +25,11 @@ _GEOM, _TEXTURE = mujoco.mjtGeom, mujoco.mjtTexture
 
 
 def prepare(
-    shot: Shot, look: Look, overlays: dict[str, int], size: tuple[int, int]
+    shot: Shot,
+    look: Look,
+    overlays: dict[str, int],
+    size: tuple[int, int],
+    note: Callable[[str], None],
 ) -> tuple[mujoco.MjModel, str]:
     """Compile a copy of the shot's arm for pictures; the file is not changed.
 
@@ -32,6 +38,7 @@ def prepare(
         look: background.
         overlays: rings of each overlay's tube by its name: they become skins.
         size: width and height that are rendered [pixels].
+        note: is called with a line if the arm had to be made visible.
 
     Returns:
         The model, and the name of the tool's site.
@@ -44,6 +51,8 @@ def prepare(
     arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
     spec = arm.spec
     model = compile_spec(spec, path)
+    if show_arm(spec, model, shot.joints, arm.site, note):
+        model = compile_spec(spec, path)
     if model.nlight == 0:
         _add_light(spec, model.stat)
     floors = [geom for geom in spec.geoms if geom.type == _GEOM.mjGEOM_PLANE]

@@ -16,13 +16,18 @@ import numpy as np
 from ...errors import PictureError
 from ...files import could_be_written
 from ...results.run import Run
-from ...text import listed
-from . import encoding, gl, plots
+from ...text import cut, listed, one_line
+from . import encoding, gl, plots, setting
 from . import shot as shots
 from .filming import BROKEN, READY, WRONG, Job
 from .look import Look
 
 Progress = Callable[[int, int], None]
+
+FPS = (0.1, 1000.0)
+"""Least and most frames per second."""
+MOST = 1_000_000
+"""Frames of a video."""
 
 
 def cores() -> int:
@@ -71,10 +76,16 @@ def render(
         RobotError: the arm's MJCF is missing.
     """
     runs = (run,) if isinstance(run, Run) else tuple(run)
-    for name, value in (("fps", fps), ("speed", speed)):
-        if not 0 < value < float("inf"):
-            raise PictureError(f"{name} = {value:g}: it must be greater than 0")
+    if not FPS[0] <= fps <= FPS[1]:
+        raise PictureError(f"fps = {fps:g}: it must be between {FPS[0]:g} and {FPS[1]:g}")
+    if not 0 < speed < float("inf"):
+        raise PictureError(f"speed = {speed:g}: it must be greater than 0")
     low, high = shots.common_span(runs, start, stop)
+    if (high - low) * fps > MOST * speed:
+        raise PictureError(
+            f"from {low:g} s to {high:g} s at {fps:g} fps and speed {speed:g} there are "
+            f"{(high - low) / speed * fps:.3g} frames; a video has at most {MOST}"
+        )
     times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
     return film(
         runs,
@@ -121,7 +132,7 @@ def film(
     Raises:
         PictureError, OutputError, RobotError: as `render`.
     """
-    path, look = Path(path), look or Look()
+    path, look, note = Path(path), look or Look(), note or (lambda line: None)
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
     if labels and len(labels) != len(runs):
@@ -131,11 +142,15 @@ def film(
     encoding.check(path, look.background == "transparent")
     could_be_written(path.parent)
     if path.suffix.lower() == ".mp4":
-        look = _even(look, note or (lambda line: None))
-    names = tuple(labels or (one.experiment.name for one in runs))
+        look = _even(look, note)
+    names = (cut(one_line(name), 40) for name in labels or (one.experiment.name for one in runs))
     taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
     job = Job(
         shots=taken,
+        models=tuple(
+            setting.prepare(one, look, (right - left, look.size[1] - look.strip_height), note)
+            for one, (left, right) in zip(taken, look.columns(len(taken)), strict=True)
+        ),
         strips=plots.strips(tuple(runs), look),
         look=look,
         scales=shots.scales(taken),

@@ -92,7 +92,12 @@ class Watched(Alone):
 
 
 def live(
-    prepared: Plan, look: Look, clock: Clock, once: bool, ended: Callable[[Run], None]
+    prepared: Plan,
+    look: Look,
+    clock: Clock,
+    once: bool,
+    ended: Callable[[Run], None],
+    note: Callable[[str], None],
 ) -> Run | None:
     """Simulate an experiment in a window, until the window is closed.
 
@@ -102,12 +107,13 @@ def live(
         clock: how fast.
         once: close the window when the run ends.
         ended: is called with the run as soon as it ends.
+        note: is called with each line that the user should know.
 
     Returns:
         The last run that ended, None if there is none.
     """
     run: Run | None = None
-    with Window(film.whole(prepared), look, film.expected(prepared, 0), clock) as window:
+    with Window(film.whole(prepared), look, film.expected(prepared, 0), clock, note) as window:
         while True:
             clock.go_on_at(0.0)
             watched = Watched([prepared.robot.model], prepared, window, clock)

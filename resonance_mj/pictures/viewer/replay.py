@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ...results.run import Run
 from ..film import shot as shots
 from ..film.look import Look
@@ -41,7 +43,9 @@ def frame(steps: int, frames: int, once: bool) -> int | None:
     return None if once and steps >= frames else steps % frames
 
 
-def replay(run: Run, shot: Shot, look: Look, clock: Clock, once: bool) -> None:
+def replay(
+    run: Run, shot: Shot, look: Look, clock: Clock, once: bool, note: Callable[[str], None]
+) -> None:
     """Show a shot until the window is closed, or to its end.
 
     Args:
@@ -50,9 +54,10 @@ def replay(run: Run, shot: Shot, look: Look, clock: Clock, once: bool) -> None:
         look: camera, background and what is drawn.
         clock: how fast.
         once: end after the last frame instead of beginning again.
+        note: is called with each line that the user should know.
     """
     dt = run.experiment.simulation.timestep
-    with Window(shot, look, shots.scale([shot]), clock) as window:
+    with Window(shot, look, shots.scale([shot]), clock, note) as window:
         clock.go_on_at(0.0)
         try:
             while (number := frame(clock.steps(dt), len(shot.sample), once)) is not None:

@@ -62,7 +62,7 @@ def view(
         shot = taken(what, start, stop)
         display.check()
         note(KEYS_HELP)
-        replay(what, shot, look, Clock(speed), once)
+        replay(what, shot, look, Clock(speed), once, note)
         return what
     display.check()
     from ...callback.callback import refuse_another
@@ -73,7 +73,7 @@ def view(
     prepared = plan_for(what)
     for line in (*prepared.notes, KEYS_HELP):
         note(line)
-    return live(prepared, look, Clock(speed), once, ended)
+    return live(prepared, look, Clock(speed), once, ended, note)
 
 
 def _ignore(_: object) -> None:

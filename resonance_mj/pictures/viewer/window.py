@@ -6,7 +6,7 @@ import queue
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from ...errors import PictureError
 from ..film.look import Look
-from ..film.setting import Setting
+from ..film.setting import Setting, prepare
 from ..film.shot import Scale, Shot
 from . import display
 from .captions import Captions
@@ -39,15 +39,23 @@ class Window:
         look: camera, background and what is drawn.
         scales: what full thickness, colour and length of the overlays stand for.
         clock: is set by the user's keys.
+        note: is called with each line that the user should know.
 
     Raises:
         PictureError: the model has no such camera, or on macOS this is not mjpython.
         RobotError: the arm's file is missing or MuJoCo rejects it.
     """
 
-    def __init__(self, shot: Shot, look: Look, scales: Scale, clock: Clock) -> None:
+    def __init__(
+        self,
+        shot: Shot,
+        look: Look,
+        scales: Scale,
+        clock: Clock,
+        note: Callable[[str], None],
+    ) -> None:
         self._shot, self._look, self._scales, self._clock = shot, look, scales, clock
-        self._setting = Setting(shot, look, look.size)
+        self._setting = Setting(shot, look, *prepare(shot, look, look.size, note))
         self._setting.camera(1.0)  # one that is not there is said before the window opens
         self._captions = Captions(look)
         self._keys: queue.SimpleQueue[int] = queue.SimpleQueue()
