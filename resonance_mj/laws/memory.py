@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from ..experiments.experiment import Experiment
 from ..step_functions import step_function
 
 ARRAYS: dict[str, tuple[str, ...]] = {
@@ -157,6 +158,18 @@ class Layout:
         """Length of the block, and of the two numbers that lead to it."""
         last, start = list(self.starts())[-1]
         return start + int(np.prod(self.shape(last))) + 2
+
+
+def layout_of(experiment: Experiment, joints: int, coordinates: int, dofs: int) -> Layout:
+    """Sizes of the block for an experiment, on an arm with so many joints, coordinates, dofs."""
+    dt = experiment.simulation.timestep
+    return Layout(
+        joints=joints,
+        coordinates=coordinates,
+        dofs=dofs,
+        steps=max(motion.steps(dt) for motion in experiment.motion),
+        parameters=len(experiment.law.parameters),
+    )
 
 
 class Memory:

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ..errors import MotionError
+from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
 from . import motion as motions
@@ -31,6 +32,18 @@ CONDITIONING = 0.5
 
 LIMITS = 0.05
 """Least distance to a joint's limits, as a share of its range."""
+
+
+def filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:
+    """The experiment with what it left open in its motions filled in."""
+    robot = kinematics.robot
+    at_home = kinematics.position(robot.home)
+    motion = []
+    for index, given in enumerate(experiment.motion):
+        name = f"experiment {experiment.name!r}: motion.{index}"
+        fitting = motions.resolve(given, robot, at_home, name)
+        motion.append(sized(fitting, kinematics, name, experiment.law.alpha_0))
+    return experiment.model_copy(update={"motion": tuple(motion)})
 
 
 def sized(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float = 10.0) -> Motion:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from ..errors import MotionError
 from ..robots.robot import Robot
 from . import rotations
+from .joint_motion import JointMotion, periodic_rate
 from .motion import Samples
 
 TOLERANCE = 1e-11
@@ -18,17 +18,6 @@ TOLERANCE = 1e-11
 
 SINGULAR = 1e-3
 """Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
-
-
-class JointMotion(NamedTuple):
-    """A joint motion over one cycle."""
-
-    q: np.ndarray
-    """Joint angles q_d (N, n) [rad]."""
-    dq: np.ndarray
-    """Joint velocities (N, n) [rad/s]."""
-    ddq: np.ndarray
-    """Joint accelerations (N, n) [rad/s^2]."""
 
 
 class Kinematics:
@@ -131,8 +120,8 @@ class Kinematics:
             )
         if m == n:
             return self._rates(samples, q, J)
-        dq = _periodic_rate(q, period)
-        return JointMotion(q, dq, _periodic_rate(dq, period))
+        dq = periodic_rate(q, period)
+        return JointMotion(q, dq, periodic_rate(dq, period))
 
     def passage(
         self, samples: Samples, start: np.ndarray, length: float, name: str, alpha_0: float = 10.0
@@ -292,16 +281,6 @@ def _inverse(J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
     mujoco.mju_cholFactor(square, 1e-15)
     mujoco.mju_cholSolve(solved, square, error)
     return J.T @ solved
-
-
-def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
-    """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
-    dt = period / len(values)
-
-    def ahead(k: int) -> np.ndarray:
-        return np.roll(values, -k, axis=0)
-
-    return (8 * (ahead(1) - ahead(-1)) - (ahead(2) - ahead(-2))) / (12 * dt)
 
 
 def _point(x: np.ndarray, robot: Robot) -> str:

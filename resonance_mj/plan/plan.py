@@ -15,7 +15,7 @@ from ..experiments.experiment import Experiment
 from ..laws import laws
 from ..laws.gains import Gains, gains
 from ..laws.laws import Law
-from ..laws.memory import Layout
+from ..laws.memory import Layout, layout_of
 from ..motions import default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
@@ -120,7 +120,7 @@ class Plan:
     @property
     def layout(self) -> Layout:
         """Sizes of the controller's block of memory."""
-        return _layout(self.experiment, self.robot.n, self.robot.m, self.robot.model.nv)
+        return layout_of(self.experiment, self.robot.n, self.robot.m, self.robot.model.nv)
 
     @cached_property
     def schedule(self) -> list[int]:
@@ -262,9 +262,9 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     """
     refuse_foreign()
     law = laws.load(experiment.law.kind)
-    robot = build(experiment, lambda n, m, dofs: _layout(experiment, n, m, dofs).size)
+    robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
-    experiment = _filled_in(experiment, unloaded)
+    experiment = default_motion.filled_in(experiment, unloaded)
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:
         if motion.payload not in by_payload:
@@ -291,26 +291,3 @@ def optimum(experiment: Experiment) -> list[Optimum]:
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
     """
     return plan_for(experiment).optima
-
-
-def _layout(experiment: Experiment, joints: int, coordinates: int, dofs: int) -> Layout:
-    dt = experiment.simulation.timestep
-    return Layout(
-        joints=joints,
-        coordinates=coordinates,
-        dofs=dofs,
-        steps=max(motion.steps(dt) for motion in experiment.motion),
-        parameters=len(experiment.law.parameters),
-    )
-
-
-def _filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:
-    """The experiment with what it left open in its motions filled in."""
-    robot = kinematics.robot
-    at_home = kinematics.position(robot.home)
-    motion = []
-    for index, given in enumerate(experiment.motion):
-        name = f"experiment {experiment.name!r}: motion.{index}"
-        fitting = motions.resolve(given, robot, at_home, name)
-        motion.append(default_motion.sized(fitting, kinematics, name, experiment.law.alpha_0))
-    return experiment.model_copy(update={"motion": tuple(motion)})
