@@ -306,9 +306,23 @@ def test_the_users_choice_of_opengl_is_kept_and_a_wrong_one_is_said_with_the_pac
     environment = os.environ | {"MUJOCO_GL": "nothing"}
     done = command(folder, "-o", tmp_path / "o.mp4", "--to", "0.1", env=environment)
     assert (done.returncode, list(tmp_path.iterdir())) == (2, [])
-    for words in ("MUJOCO_GL was set by you", "apt install", "dnf install", "macOS"):
+    assert len(done.stderr.splitlines()) == 1
+    for words in (
+        "invalid value",
+        "MUJOCO_GL was set by you",
+        "apt install",
+        "dnf install",
+        "macOS",
+    ):
         assert words in done.stderr
     assert gl.backends({"MUJOCO_GL": "osmesa"}) == ("osmesa",)
+
+
+def test_what_draws_nothing_asks_for_no_opengl():
+    line = [sys.executable, "-m", "resonance_mj.cli", "inspect", "two_link.xml"]
+    environment = os.environ | {"MUJOCO_GL": "nothing"}
+    done = subprocess.run(line, env=environment, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.opengl

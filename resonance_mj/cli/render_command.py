@@ -30,9 +30,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    from ..pictures.film import gl
-
-    gl.import_mujoco()
     from ..pictures.film import video
     from ..results.run import Run
 

@@ -11,14 +11,17 @@ import pickle
 import signal
 import sys
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import mujoco
 import numpy as np
 
 from ...errors import ResonanceError
 from .frame_data import FrameData, Scale
 from .options import RenderOptions
 from .plot_picture import PlotPicture
+
+if TYPE_CHECKING:
+    import mujoco
 
 READY, WRONG, BROKEN, NO_OPENGL = "ready", "wrong", "broken", "no OpenGL"
 
@@ -51,6 +54,8 @@ def main() -> None:
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     try:
+        import mujoco
+
         mujoco.GLContext(16, 16).free()
     except Exception as error:  # MuJoCo and PyOpenGL raise any where there is none
         _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")

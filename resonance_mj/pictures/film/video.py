@@ -115,15 +115,10 @@ def film(
 
     Args:
         runs: the runs, side by side.
-        path: the video: .mp4 (H.264), .webp or .gif.
+        path: as for `render`; so are options, labels, workers, progress and note.
         times: of the frames (F,) [s], ascending; every run has a sample at each, as those from
             `frame_data.times`.
         fps: frames per second.
-        options: as for `render`; so are labels, workers, progress and note.
-        labels: what the picture calls each run.
-        workers: processes that draw.
-        progress: is called with the number of frames done and that of all.
-        note: is called with each line that the user should know.
 
     Returns:
         The path of the video.
@@ -220,8 +215,7 @@ def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]
     # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
     path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}
-    if backend is not None:
-        environment["MUJOCO_GL"] = backend
+    environment["MUJOCO_GL"] = backend or ""
     if count > 1:
         # Software OpenGL has threads of its own: the processes share the cores already.
         environment.setdefault("LP_NUM_THREADS", "1")
