@@ -115,10 +115,15 @@ def film(
 
     Args:
         runs: the runs, side by side.
-        path: as for `render`; so are options, labels, workers, progress and note.
+        path: the video.
         times: of the frames (F,) [s], ascending; every run has a sample at each, as those from
             `frame_data.times`.
         fps: frames per second.
+        options: as for `render`; so are the following.
+        labels: one for each run.
+        workers: processes that draw.
+        progress: is called with the number of frames done and that of all.
+        note: is called with each line that the user should know.
 
     Returns:
         The path of the video.
