@@ -73,7 +73,7 @@ def _told(value: Any, parts: list[str], seen: set[int]) -> bool:
 
 def _of_numba(value: Any) -> bool:
     if isinstance(value, ModuleType):
-        owners = [value.__name__]
+        owners: list[Any] = [value.__name__]
     else:
         owners = [getattr(value, "__module__", None), type(value).__module__]
     return any(str(owner).partition(".")[0] == "numba" for owner in owners)
