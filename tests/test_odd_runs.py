@@ -9,12 +9,14 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+from PIL import Image
 
 import resonance_mj as rmj
 from resonance_mj import cli, library
 from resonance_mj.errors import PictureError
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.pictures.figures import catalogue
+from resonance_mj.pictures.figures import catalogue, saving
 
 PENDULUM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" damping="0.02"/>
 <geom type="sphere" pos="0 0 -0.4" size="0.03" mass="1.2" contype="0" conaffinity="0"/>
@@ -217,6 +219,13 @@ def test_a_page_holds_no_folder_of_its_sender(simulated, folder, tmp_path, monke
             assert place not in part
     assert all("long-names.xml" in part for part in (text, attached[0]))
     assert "3 N m/rad" in text
+
+
+def test_a_figure_that_is_taller_than_a_png_can_be_has_fewer_pixels_per_inch(tmp_path):
+    (png,) = saving.save(Figure(figsize=(0.2, 120)), tmp_path, "tall", ["png"], dpi=600)
+    with Image.open(png) as picture:
+        assert picture.height == 65_000
+        assert picture.info["dpi"][1] == pytest.approx(65_000 / 120, rel=1e-3)
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])
