@@ -72,7 +72,9 @@ def bare_in_a_process(folder, cores):
 def video(run, cores):
     """Frames per second of the whole pipeline."""
     os.sched_setaffinity(0, range(cores))
-    look = rmj.Look(size=(WIDTH, HEIGHT), camera=camera(robot.build(run.experiment).model))
+    options = rmj.RenderOptions(
+        size=(WIDTH, HEIGHT), camera=camera(robot.build(run.experiment).model)
+    )
     times = []
     with tempfile.TemporaryDirectory() as folder:
         rmj.render(
@@ -81,7 +83,7 @@ def video(run, cores):
             0.0,
             FRAMES / FPS,
             FPS,
-            look=look,
+            options=options,
             progress=lambda done, total: times.append(time.perf_counter()),
         )
         times.append(time.perf_counter())
@@ -127,7 +129,7 @@ def whole(folder):
             run,
             path,
             fps=FPS,
-            look=rmj.Look(size=(WIDTH, HEIGHT)),
+            options=rmj.RenderOptions(size=(WIDTH, HEIGHT)),
             progress=lambda count, total: frames.append(count),
         )
         megabytes = path.stat().st_size / 1e6

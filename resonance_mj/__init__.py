@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .experiments.experiment import Experiment
     from .experiments.loading import load
     from .pictures.figures.plot import plot
-    from .pictures.film.look import Look
+    from .pictures.film.options import RenderOptions
     from .pictures.film.video import render
     from .pictures.page.report import report
     from .pictures.viewer.view import view
@@ -29,10 +29,10 @@ _HOMES = {
     "ResonanceError": "errors",
     "Experiment": "experiments.experiment",
     "load": "experiments.loading",
-    "Look": "pictures.film.look",
     "Optimum": "springs.optimum",
     "optimum": "plan.plan",
     "plot": "pictures.figures.plot",
+    "RenderOptions": "pictures.film.options",
     "report": "pictures.page.report",
     "Run": "results.run",
     "Status": "results.run",
@@ -47,8 +47,8 @@ __all__ = [
     "Certificates",
     "Comparison",
     "Experiment",
-    "Look",
     "Optimum",
+    "RenderOptions",
     "ResonanceError",
     "Run",
     "Status",

@@ -17,8 +17,7 @@ from PIL import Image
 import resonance_mj as rmj
 from resonance_mj import files
 from resonance_mj.errors import OutputError, PictureError
-from resonance_mj.pictures.film import gl
-from resonance_mj.pictures.film import shot as shots
+from resonance_mj.pictures.film import frame_data, gl
 
 SMALL = (320, 180)
 
@@ -35,9 +34,11 @@ def folder(run, tmp_path_factory):
     return run.save(tmp_path_factory.mktemp("runs") / "short")
 
 
-def filmed(run, name, start=1.0, stop=1.2, fps=10.0, size=SMALL, **look):
+def filmed(run, name, start=1.0, stop=1.2, fps=10.0, size=SMALL, **options):
     """The frames (F, height, width, 3) of a video, read back from its file."""
-    rmj.render(run, name, start, stop, fps, look=rmj.Look(size=size, **look), workers=1)
+    rmj.render(
+        run, name, start, stop, fps, options=rmj.RenderOptions(size=size, **options), workers=1
+    )
     return decoded(name)
 
 
@@ -70,27 +71,27 @@ def test_a_video_has_a_frame_each_step_of_its_span_and_is_h264_that_browsers_pla
 @pytest.mark.opengl
 def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
     whole = filmed(run, tmp_path / "whole.mp4", stop=1.1)[0]
-    strip = rmj.Look(size=SMALL).strip_height
+    plots = rmj.RenderOptions(size=SMALL).plots_height
     for part in ("path", "trail", "springs", "motors"):
         less = filmed(run, tmp_path / f"{part}.mp4", stop=1.1, **{part: False}, legend=True)[0]
         changed = np.abs(whole - less).max(axis=2) > 60
-        assert changed[:-strip].sum() > 20, part
-        assert not changed[-strip + 2 :].any(), part
+        assert changed[:-plots].sum() > 20, part
+        assert not changed[-plots + 2 :].any(), part
 
 
 @pytest.mark.opengl
 def test_the_strip_shows_a_cursor_that_moves_with_the_video(run, tmp_path):
     frames = filmed(run, tmp_path / "out.mp4", 0.0, 4.0, fps=2.0)
-    strip = frames[:, -rmj.Look(size=SMALL).strip_height :]
+    plots = frames[:, -rmj.RenderOptions(size=SMALL).plots_height :]
     # In the first plot's upper part the cursor is the darkest column.
-    columns = [int(frame[12:30, 20:110].sum(axis=(0, 2)).argmin()) for frame in strip]
+    columns = [int(frame[12:30, 20:110].sum(axis=(0, 2)).argmin()) for frame in plots]
     assert columns == sorted(columns)
     assert columns[-1] - columns[0] > 50
 
 
 @pytest.mark.opengl
 def test_without_strip_and_line_the_arm_takes_the_whole_picture(run, tmp_path):
-    bare = filmed(run, tmp_path / "out.mp4", strip=False, head_up=False, legend=False)[0]
+    bare = filmed(run, tmp_path / "out.mp4", plots=False, head_up=False, legend=False)[0]
     assert bare[-1].std() > 0 or bare[0].std() > 0
     with_all = filmed(run, tmp_path / "all.mp4")[0]
     # The line above is written on white.
@@ -108,16 +109,16 @@ def test_two_runs_stand_side_by_side_in_one_picture_of_the_same_size(run, tmp_pa
 
 @pytest.mark.opengl
 def test_runs_side_by_side_are_in_step_however_many_processes_draw(run, tmp_path):
-    look = rmj.Look(size=SMALL)
-    one = rmj.render(run, tmp_path / "1.mp4", 0.0, 0.5, 10.0, look=look, workers=1)
-    three = rmj.render(run, tmp_path / "3.mp4", 0.0, 0.5, 10.0, look=look, workers=3)
+    options = rmj.RenderOptions(size=SMALL)
+    one = rmj.render(run, tmp_path / "1.mp4", 0.0, 0.5, 10.0, options=options, workers=1)
+    three = rmj.render(run, tmp_path / "3.mp4", 0.0, 0.5, 10.0, options=options, workers=3)
     np.testing.assert_array_equal(decoded(one), decoded(three))
 
 
 @pytest.mark.opengl
 def test_a_time_lapse_shows_more_of_the_run_in_fewer_frames(run, tmp_path):
     path = rmj.render(
-        run, tmp_path / "fast.mp4", 0.0, 4.0, 5.0, speed=4.0, look=rmj.Look(size=SMALL)
+        run, tmp_path / "fast.mp4", 0.0, 4.0, 5.0, speed=4.0, options=rmj.RenderOptions(size=SMALL)
     )
     assert len(decoded(path)) == 5
 
@@ -126,7 +127,7 @@ def test_a_time_lapse_shows_more_of_the_run_in_fewer_frames(run, tmp_path):
 @pytest.mark.parametrize("suffix", [".gif", ".webp"])
 def test_pictures_that_move_are_written_by_extension(run, tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
-    rmj.render(run, path, 1.0, 1.3, 10.0, look=rmj.Look(size=SMALL))
+    rmj.render(run, path, 1.0, 1.3, 10.0, options=rmj.RenderOptions(size=SMALL))
     with Image.open(path) as image:
         assert (image.size, image.n_frames, image.info["loop"]) == (SMALL, 3, 0)
 
@@ -134,8 +135,10 @@ def test_pictures_that_move_are_written_by_extension(run, tmp_path, suffix):
 @pytest.mark.opengl
 def test_a_transparent_background_is_transparent_and_the_arm_is_not(run, tmp_path):
     path = tmp_path / "out.webp"
-    look = rmj.Look(size=SMALL, background="transparent", strip=False, head_up=False, legend=False)
-    rmj.render(run, path, 1.0, 1.1, 10.0, look=look)
+    options = rmj.RenderOptions(
+        size=SMALL, background="transparent", plots=False, head_up=False, legend=False
+    )
+    rmj.render(run, path, 1.0, 1.1, 10.0, options=options)
     with Image.open(path) as image:
         alpha = np.asarray(image.convert("RGBA"))[..., 3]
     assert (alpha[0] == 0).all()
@@ -153,7 +156,13 @@ def test_a_dark_background_is_dark_and_a_white_one_white(run, tmp_path):
 def test_odd_sizes_are_rounded_up_for_h264_and_said_so(run, tmp_path):
     said = []
     path = rmj.render(
-        run, tmp_path / "o.mp4", 1.0, 1.1, 10.0, look=rmj.Look(size=(321, 181)), note=said.append
+        run,
+        tmp_path / "o.mp4",
+        1.0,
+        1.1,
+        10.0,
+        options=rmj.RenderOptions(size=(321, 181)),
+        note=said.append,
     )
     assert decoded(path).shape[1:3] == (182, 322)
     assert "321x181" in said[0]
@@ -211,11 +220,17 @@ def test_an_arm_of_which_nothing_would_be_seen_is_seen_and_said_so(tmp_path, kin
         motion=[{"duration": 2.0, "shape": "ellipse", "size": [0.03, 0.03]}],
     )
     bare = dict.fromkeys(
-        ("path", "trail", "springs", "motors", "strip", "head_up", "legend"), False
+        ("path", "trail", "springs", "motors", "plots", "head_up", "legend"), False
     )
-    look, said = rmj.Look(size=SMALL, background="white", **bare), []
+    options, said = rmj.RenderOptions(size=SMALL, background="white", **bare), []
     video = rmj.render(
-        rmj.simulate(experiment), tmp_path / "o.mp4", 0.5, 0.6, 10.0, look=look, note=said.append
+        rmj.simulate(experiment),
+        tmp_path / "o.mp4",
+        0.5,
+        0.6,
+        10.0,
+        options=options,
+        note=said.append,
     )
     assert (decoded(video)[0].min(axis=2) < 200).mean() > 0.01
     assert len(said) == 1
@@ -223,9 +238,9 @@ def test_an_arm_of_which_nothing_would_be_seen_is_seen_and_said_so(tmp_path, kin
 
 
 def test_cycles_name_spans_from_the_start_of_the_first_to_the_end_of_the_last(run):
-    assert shots.span(run, "2c", "3c") == (1.0, 3.0)
-    assert shots.span(run, None, None) == pytest.approx((0.0, 4.0))
-    assert shots.span(run, 0.25, "1c") == (0.25, 1.0)
+    assert frame_data.span(run, "2c", "3c") == (1.0, 3.0)
+    assert frame_data.span(run, None, None) == pytest.approx((0.0, 4.0))
+    assert frame_data.span(run, 0.25, "1c") == (0.25, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -240,7 +255,7 @@ def test_cycles_name_spans_from_the_start_of_the_first_to_the_end_of_the_last(ru
 )
 def test_spans_that_are_not_in_the_run_are_refused(run, start, stop, words):
     with pytest.raises(PictureError, match=words):
-        shots.span(run, start, stop)
+        frame_data.span(run, start, stop)
 
 
 def test_a_thinned_run_says_which_cycles_are_whole_and_is_filmed_without_the_others(tmp_path):
@@ -251,8 +266,8 @@ def test_a_thinned_run_says_which_cycles_are_whole_and_is_filmed_without_the_oth
     kept = sorted(set(run.data["cycle_of_sample"].values.tolist()))
     assert len(kept) < 8
     with pytest.raises(PictureError, match="whole are the cycles 1-2, 5-8"):
-        shots.times((run,), 0.0, 8.0, 0.1, given=True)
-    assert len(shots.times((run,), 0.0, 8.0, 0.1, given=False)) == 10 * len(kept)
+        frame_data.times((run,), 0.0, 8.0, 0.1, given=True)
+    assert len(frame_data.times((run,), 0.0, 8.0, 0.1, given=False)) == 10 * len(kept)
 
 
 def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
@@ -291,9 +306,23 @@ def test_the_users_choice_of_opengl_is_kept_and_a_wrong_one_is_said_with_the_pac
     environment = os.environ | {"MUJOCO_GL": "nothing"}
     done = command(folder, "-o", tmp_path / "o.mp4", "--to", "0.1", env=environment)
     assert (done.returncode, list(tmp_path.iterdir())) == (2, [])
-    for words in ("MUJOCO_GL was set by you", "apt install", "dnf install", "macOS"):
+    assert len(done.stderr.splitlines()) == 1
+    for words in (
+        "invalid value",
+        "MUJOCO_GL was set by you",
+        "apt install",
+        "dnf install",
+        "macOS",
+    ):
         assert words in done.stderr
     assert gl.backends({"MUJOCO_GL": "osmesa"}) == ("osmesa",)
+
+
+def test_what_draws_nothing_asks_for_no_opengl():
+    line = [sys.executable, "-m", "resonance_mj.cli", "inspect", "two_link.xml"]
+    environment = os.environ | {"MUJOCO_GL": "nothing"}
+    done = subprocess.run(line, env=environment, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.opengl
@@ -331,7 +360,7 @@ def test_a_full_disk_is_said_and_leaves_nothing(run, tmp_path, monkeypatch):
 
     monkeypatch.setattr(files.tempfile, "mkdtemp", full)
     with pytest.raises(OutputError, match=r"o\.mp4: cannot be written: .*[Nn]o space left"):
-        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.3, 10.0, look=rmj.Look(size=SMALL))
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.3, 10.0, options=rmj.RenderOptions(size=SMALL))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -355,14 +384,14 @@ def test_what_stands_in_the_working_folder_is_not_executed(folder, tmp_path):
 
 @pytest.mark.opengl
 def test_a_label_is_one_line_whatever_is_in_it(run, tmp_path):
-    look = rmj.Look(size=SMALL)
+    options = rmj.RenderOptions(size=SMALL)
     for label in ("two\nlines\0", "long " * 1000, ""):
-        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, 10.0, look=look, labels=[label])
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, 10.0, options=options, labels=[label])
 
 
 def test_runs_that_have_no_room_side_by_side_are_refused(run, tmp_path):
     with pytest.raises(PictureError, match=r"9 runs side by side .* 32 columns each"):
-        rmj.render([run] * 9, tmp_path / "o.mp4", look=rmj.Look(size=SMALL))
+        rmj.render([run] * 9, tmp_path / "o.mp4", options=rmj.RenderOptions(size=SMALL))
 
 
 def test_as_many_labels_as_runs_are_needed(run, tmp_path):
@@ -372,9 +401,9 @@ def test_as_many_labels_as_runs_are_needed(run, tmp_path):
 
 @pytest.mark.opengl
 def test_what_fails_besides_opengl_is_said_as_what_it_is(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(shots.Shot, "__reduce__", lambda self: (int, ("no shot",)))
+    monkeypatch.setattr(frame_data.FrameData, "__reduce__", lambda self: (int, ("no data",)))
     with pytest.raises(PictureError, match=r"frames cannot be drawn: ValueError"):
-        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, look=rmj.Look(size=SMALL))
+        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, options=rmj.RenderOptions(size=SMALL))
 
 
 def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded():
@@ -383,7 +412,7 @@ def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded(
     first |= {"period": 0.1, "duration": 1.0, "sin": [[0.005], [-0.02]]}
     second |= {"period": 1.0, "duration": 2.0}
     run = rmj.simulate(paper.replace({"motion": [first, second], "law.k_v": 200.0, "expect": {}}))
-    shot = shots.shot(run, run.data["time"].values, "x")
-    begins = int(np.argmax(shot.cycle == 11))
-    assert (shot.period[begins - 1], shot.period[begins]) == (100, 1000)
-    assert shot.best[begins] == shot.best[-1]
+    shown = frame_data.of_run(run, run.data["time"].values, "x")
+    begins = int(np.argmax(shown.cycle == 11))
+    assert (shown.period[begins - 1], shown.period[begins]) == (100, 1000)
+    assert shown.best[begins] == shown.best[-1]

@@ -12,7 +12,7 @@ from virtual_display import display, until
 import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import PictureError
-from resonance_mj.pictures.film import shot as shots
+from resonance_mj.pictures.film import frame_data
 from resonance_mj.pictures.viewer import display as displays
 from resonance_mj.pictures.viewer import live as living
 from resonance_mj.pictures.viewer.clock import Clock
@@ -41,8 +41,8 @@ class Pretended:
 
     frames, keys, pushed = 1 << 30, {}, 0.0
 
-    def __init__(self, shot, look, scales, clock, note):
-        self.shot, self.clock, self.late, self.shown = shot, clock, False, []
+    def __init__(self, shown, options, scales, clock, note):
+        self.data, self.clock, self.late, self.shown = shown, clock, False, []
         self.wall = clock._now if isinstance(clock._now, Wall) else Wall()
         self.pushes = np.zeros((3, 6))
 
@@ -53,11 +53,11 @@ class Pretended:
     def __exit__(self, *_):
         pass
 
-    def go_on(self, shot, scales, state=""):
-        self.shot, self.state = shot, state
+    def go_on(self, shown, scales, state=""):
+        self.data, self.state = shown, state
 
     def show(self, sample):
-        self.shown.append((round(float(self.shot.time[sample]), 6), self.state))
+        self.shown.append((round(float(self.data.time[sample]), 6), self.state))
 
     def wait(self):
         if len(self.shown) >= self.frames:
@@ -98,7 +98,9 @@ def screen(tmp_path_factory):
 
 
 def live(prepared, speed=1.0, once=True):
-    return living.live(prepared, rmj.Look(), Clock(speed, Wall()), once, lambda run: None, print)
+    return living.live(
+        prepared, rmj.RenderOptions(), Clock(speed, Wall()), once, lambda run: None, print
+    )
 
 
 def test_the_clock_is_piecewise_linear_in_the_walls_time():
@@ -165,11 +167,11 @@ def test_each_frame_shows_the_last_step_that_the_clock_has_passed(prepared, pret
 
 def test_the_film_of_a_cycle_is_what_a_video_of_its_run_shows(prepared, run, pretended):
     live(prepared)
-    watched = pretended.last.shot
-    saved = shots.shot(run, run.data["time"].values[2000:], "paper")
+    watched = pretended.last.data
+    saved = frame_data.of_run(run, run.data["time"].values[2000:], "paper")
     same = saved.time >= watched.time[0] - 1e-9
     assert set(watched.cycle) == {3, 4}
-    for name in living.film.OF_SAMPLES:
+    for name in living.live_data.OF_SAMPLES:
         expected = getattr(saved, name)[same]
         # The last frame came before the last steps.
         np.testing.assert_allclose(getattr(watched, name), expected, rtol=1e-12, atol=1e-12)

@@ -8,6 +8,7 @@ import sys
 import threading
 from typing import NoReturn
 
+from ..pictures.film import gl
 from .entry import main
 
 
@@ -18,6 +19,7 @@ def script() -> NoReturn:
         if signal.getsignal(number := getattr(signal, name, signal.SIGINT)) is signal.SIG_DFL:
             signal.signal(number, _interrupt)
     sys.unraisablehook = _again
+    gl.set_aside()
     status = main()
     # The process ends: to look for garbage first would take a third of a second.
     gc.freeze()

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..errors import PictureError
-from . import look_options
+from . import render_options
 from .console import DONE, bar, console
 
 HELP = "film a saved run, or several side by side and in step"
@@ -19,24 +19,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     add = parser.add_argument
     add("-o", "--output", metavar="FILE", type=Path, help=".mp4, .webp or .gif; RUN/motion.mp4")
-    look_options.add_span(parser)
+    render_options.add_span(parser)
     add("--speed", type=float, default=1.0, help="seconds of the run per second of video; 1")
     add("--fps", type=float, default=30.0, help="frames per second; 30")
     add("--size", metavar="WxH", default="1280x720", help="of the picture [pixels]; 1280x720")
-    look_options.add_look(parser, "sky, white, dark or transparent")
+    render_options.add_options(parser, "sky, white, dark or transparent")
     add("--label", dest="labels", action="append", help="what the picture calls a run; one each")
     add("--workers", metavar="N", type=int, help="processes that draw; one per core")
 
 
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    from ..pictures.film import gl
-
-    gl.import_mujoco()
     from ..pictures.film import video
     from ..results.run import Run
 
-    look = look_options.look(options, size=_size(options.size))
+    chosen = render_options.chosen(options, size=_size(options.size))
     runs = [Run.load(folder) for folder in options.runs]
     labels = options.labels
     if labels is None and len({run.experiment.name for run in runs}) < len(runs):
@@ -51,7 +48,7 @@ def execute(options: argparse.Namespace) -> int:
             options.stop,
             options.fps,
             speed=options.speed,
-            look=look,
+            options=chosen,
             labels=labels,
             workers=options.workers,
             progress=show,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import ExperimentError
 from ..pictures.viewer.clock import KEYS_HELP
-from . import keys_as_options, look_options
+from . import keys_as_options, render_options
 from .console import DONE, NOT_WELL, console
 
 if TYPE_CHECKING:
@@ -30,9 +30,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     add = parser.add_argument
     add("--speed", type=float, default=1.0, help="seconds of the run per second; 1")
-    look_options.add_span(parser)
+    render_options.add_span(parser)
     add("--once", action="store_true", help="close the window at the end; runs are repeated else")
-    look_options.add_look(parser, "sky, white or dark", without=["strip"])
+    render_options.add_options(parser, "sky, white or dark", without=["plots"])
     parser.epilog = f"{KEYS_HELP}. {parser.epilog}"
 
 
@@ -59,7 +59,7 @@ def execute(options: argparse.Namespace) -> int:
         start=options.start,
         stop=options.stop,
         once=options.once,
-        look=look_options.look(options),
+        options=render_options.chosen(options),
         note=lambda line: screen.print(f"  {line}", soft_wrap=True),
         ended=ended,
     )

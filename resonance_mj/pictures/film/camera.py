@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ...errors import PictureError
-from .look import Look
+from .options import RenderOptions
 
 MARGIN = 1.12
 """How much larger than the motion the picture is."""
@@ -16,17 +16,17 @@ ABOVE = 1.1
 
 def find(
     model: mujoco.MjModel,
-    look: Look,
+    options: RenderOptions,
     points: np.ndarray,
     motion: np.ndarray,
     axes: np.ndarray,
     aspect: float,
 ) -> mujoco.MjvCamera:
-    """The camera that a look asks for.
+    """The camera that the options ask for.
 
     Args:
         model: the model.
-        look: the camera's name, or where a free one stands.
+        options: the camera's name, or where a free one stands.
         points: what must be in the picture (P, 3) [m].
         motion: where the tool is in some poses (T, 3) [m].
         axes: directions of the joints' axes (n, 3).
@@ -36,17 +36,17 @@ def find(
         PictureError: the model has no camera of that name.
     """
     camera = mujoco.MjvCamera()
-    view = look.view
-    if look.camera is not None and view is None:
+    view = options.view
+    if options.camera is not None and view is None:
         names = [model.camera(i).name for i in range(model.ncam)]
-        if look.camera not in names:
+        if options.camera not in names:
             known = ", ".join(name for name in names if name) or "none"
             raise PictureError(
-                f"the model has no camera {look.camera!r}; its cameras are: {known}; or give "
+                f"the model has no camera {options.camera!r}; its cameras are: {known}; or give "
                 "azimuth,elevation,distance, as in --camera=120,-20,1.5 [degrees, degrees, m]"
             )
         camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        camera.fixedcamid = names.index(look.camera)
+        camera.fixedcamid = names.index(options.camera)
         return camera
     camera.azimuth, camera.elevation = view[:2] if view else _direction(points, motion, axes)
     right, up, forward = directions(camera.azimuth, camera.elevation)
@@ -54,12 +54,12 @@ def find(
     low, high = seen.min(axis=0), seen.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
     slope = np.tan(np.radians(model.vis.global_.fovy) / 2)
-    above = ABOVE if look.head_up else 1.0
+    above = ABOVE if options.head_up else 1.0
     near = MARGIN * max(half[1] * above / slope, half[0] / (slope * aspect))
     camera.distance = view[2] if view else max(near + half[2], 1e-3)
     middle[1] += (above - 1) * half[1]
     camera.lookat[:] = middle[0] * right + middle[1] * up + middle[2] * forward
-    if look.follow and view is None:
+    if options.follow and view is None:
         camera.distance *= 0.6
     return camera
 

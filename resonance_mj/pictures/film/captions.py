@@ -10,26 +10,26 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from ..palette import MEASURED, MOTOR, MUTED, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
-from .look import Look, rgb
-from .shot import Shot
+from .frame_data import FrameData
+from .options import RenderOptions, rgb
 
 # Matplotlib brings the fonts of the plots; it need not be imported for them.
 _FONTS = Path(str(find_spec("matplotlib").origin)).parent / "mpl-data" / "fonts" / "ttf"  # type: ignore[union-attr]
 
 
 class HeadUp:
-    """Writes the line of a shot.
+    """Writes the line of a sample.
 
     Args:
-        shot: what is filmed.
-        look: its colours and height.
+        shown: what is filmed.
+        options: its colours and height.
         width: of the picture [pixels].
     """
 
-    def __init__(self, shot: Shot, look: Look, width: int) -> None:
-        self._shot, self._ink, self._paper = shot, look.ink, look.paper
-        size = max(11, round(look.size[1] / 38))
-        widest = self._fields(int(np.argmax(np.char.str_len(shot.cycle.astype(str)))))
+    def __init__(self, shown: FrameData, options: RenderOptions, width: int) -> None:
+        self._shown, self._ink, self._paper = shown, options.ink, options.paper
+        size = max(11, round(options.size[1] / 38))
+        widest = self._fields(int(np.argmax(np.char.str_len(shown.cycle.astype(str)))))
         while size > 8 and sum(_width(size, text) for text in widest) + size * 9 > width:
             size -= 1
         self._size, self._width = size, width
@@ -50,15 +50,15 @@ class HeadUp:
         picture[: self.height, :, 3:] = 255
 
     def _fields(self, sample: int) -> list[str]:
-        shot = self._shot
-        reduction, best = shot.reduction[sample], shot.best[sample]
+        shown = self._shown
+        reduction, best = shown.reduction[sample], shown.best[sample]
         found = "     –  " if np.isnan(reduction) else f"{-100 * reduction:+6.1f} %"
         return [
-            shot.label,
-            f"{shot.time[sample]:6.2f} s",
-            f"cycle {shot.cycle[sample]:>3d}",
+            shown.label,
+            f"{shown.time[sample]:6.2f} s",
+            f"cycle {shown.cycle[sample]:>3d}",
             _signed(f"motor torque² {found} (best {-100 * best:+.1f} %)"),
-            f"tracking error {1e3 * shot.error[sample]:6.2f} mm",
+            f"tracking error {1e3 * shown.error(sample):6.2f} mm",
         ]
 
 
@@ -66,32 +66,32 @@ class Legend:
     """What the overlays mean, as a line at the foot of the scene.
 
     Args:
-        look: which overlays there are.
+        options: which overlays there are.
         width: of the picture [pixels].
     """
 
-    def __init__(self, look: Look, width: int) -> None:
+    def __init__(self, options: RenderOptions, width: int) -> None:
         items: list[tuple[tuple[str, ...], str]] = []
-        if look.path:
-            items.append(((look.ink, "", look.ink), "desired path"))
-        if look.trail:
+        if options.path:
+            items.append(((options.ink, "", options.ink), "desired path"))
+        if options.trail:
             items.append(((MEASURED,), "tool"))
-        if look.springs:
+        if options.springs:
             ramp = (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
             items.append((ramp, "spring torque −, 0, +; thick: stiff, dashed: k < 0"))
-            items.append(((look.ink,), "equilibrium"))
-        if look.motors:
+            items.append(((options.ink,), "equilibrium"))
+        if options.motors:
             items.append(((MOTOR,), "motor torque"))
-        if not look.legend:
+        if not options.legend:
             items.clear()
-        size = max(8, round(look.size[1] / 52))
+        size = max(8, round(options.size[1] / 52))
         while size > 8 and _line(size, items) > width:
             size -= 1
         line = Image.new("RGBA", (width, round(1.7 * size) if items else 0), (0, 0, 0, 0))
         pen = ImageDraw.Draw(line)
         x, y = 0.8 * size, line.height / 2
         if items:
-            paper = (*(round(255 * part) for part in rgb(look.paper)), 175)
+            paper = (*(round(255 * part) for part in rgb(options.paper)), 175)
             pen.rectangle((0, 0, min(_line(size, items), width), line.height), fill=paper)
         for colours, text in items:
             for shade in colours:
@@ -101,7 +101,7 @@ class Legend:
                     box = (x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size)
                     pen.rectangle(box, fill=shade, outline=edge)
                 x += 0.7 * size
-            pen.text((x + 0.4 * size, y), text, look.ink, font=_font(size), anchor="lm")
+            pen.text((x + 0.4 * size, y), text, options.ink, font=_font(size), anchor="lm")
             x += _font(size).getlength(text) + 1.8 * size
         self.height = line.height
         drawn = np.asarray(line).astype(np.uint16)

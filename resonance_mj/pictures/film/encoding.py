@@ -55,6 +55,8 @@ def encoder(
     """
     import imageio_ffmpeg
 
+    # A process of our own: imageio's writer drops what ffmpeg says and the status it ends with, so
+    # that a disk that is full near the end would be a success.
     command = [
         *(imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y"),
         *("-f", "rawvideo", "-pix_fmt", "rgb24" if channels == 3 else "rgba"),

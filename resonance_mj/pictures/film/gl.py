@@ -12,30 +12,34 @@ INSTALL = (
 )
 
 
+KEPT = "RESONANCE_MJ_GIVEN_GL"
+"""Where the user's MUJOCO_GL is in the environment of a process that draws nothing itself."""
+
+
+def set_aside() -> None:
+    """Let this process import MuJoCo without OpenGL, which a wrong MUJOCO_GL would keep it from.
+
+    The processes that it starts to draw are given what the user has set.
+    """
+    os.environ.setdefault(KEPT, os.environ.get("MUJOCO_GL", ""))
+    os.environ["MUJOCO_GL"] = "disable"
+
+
+def given(environment: Mapping[str, str] = os.environ) -> str:
+    """MUJOCO_GL as the user has set it; empty if not."""
+    value = environment.get("MUJOCO_GL", "")
+    return environment.get(KEPT, value) if value == "disable" else value
+
+
 def backends(environment: Mapping[str, str] = os.environ) -> tuple[str | None, ...]:
     """Values of MUJOCO_GL to try in turn; None leaves the choice to MuJoCo.
 
     MUJOCO_GL decides alone where the user has set it. It must be in the environment before mujoco
     is first imported, which only a process that is started for it can promise.
     """
-    if environment.get("MUJOCO_GL"):
-        return (environment["MUJOCO_GL"],)
+    if chosen := given(environment):
+        return (chosen,)
     return ("egl", "osmesa") if sys.platform == "linux" else (None,)
-
-
-def import_mujoco() -> None:
-    """Import MuJoCo without OpenGL: a MUJOCO_GL that does not work would keep it from that.
-
-    Only the processes that draw, which are started with the MUJOCO_GL that stays, need it.
-    """
-    given = os.environ.get("MUJOCO_GL")
-    os.environ["MUJOCO_GL"] = "disable"
-    try:
-        import mujoco  # noqa: F401
-    finally:
-        del os.environ["MUJOCO_GL"]
-        if given is not None:
-            os.environ["MUJOCO_GL"] = given
 
 
 def missing(tried: Mapping[str, str]) -> str:
@@ -45,6 +49,6 @@ def missing(tried: Mapping[str, str]) -> str:
         tried: what each backend said.
     """
     reasons = "; ".join(f"{name}: {reason}" for name, reason in tried.items())
-    if os.environ.get("MUJOCO_GL"):
+    if given():
         reasons += "; MUJOCO_GL was set by you: unset it to have egl and osmesa tried"
     return f"no OpenGL that draws without a display was found ({reasons}); {INSTALL}"

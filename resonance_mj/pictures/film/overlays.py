@@ -13,9 +13,9 @@ import numpy as np
 
 from ..palette import MEASURED, MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
 from . import tubes
-from .look import Look
-from .shot import Scale, Shot
-from .stage import PREFIX, colour
+from .frame_data import FrameData, Scale
+from .options import RenderOptions
+from .surroundings import PREFIX, colour
 
 PATH_RINGS, TRAIL_RINGS, SPRING_RINGS, TICK_RINGS, MOTOR_RINGS = 97, 49, 120, 4, 40
 WINDINGS = 2.0
@@ -28,18 +28,18 @@ WEAK = 0.02
 """Share of a spring's greatest stiffness, or a motor's torque, below which nothing is drawn."""
 
 
-def rings(shot: Shot, look: Look) -> dict[str, int]:
+def rings(shown: FrameData, options: RenderOptions) -> dict[str, int]:
     """Rings of each overlay's tube, by the name of its skin."""
     found: dict[str, int] = {}
-    if look.path:
+    if options.path:
         found["path"] = PATH_RINGS
-    if look.trail:
+    if options.trail:
         found["trail"] = TRAIL_RINGS
-    for j in range(len(shot.joints)):
-        if look.springs:
+    for j in range(len(shown.joints)):
+        if options.springs:
             found[f"spring {j}"] = SPRING_RINGS
             found[f"equilibrium {j}"] = TICK_RINGS
-        if look.motors:
+        if options.motors:
             found[f"motor {j}"] = MOTOR_RINGS
     return found
 
@@ -66,13 +66,13 @@ class Joint(NamedTuple):
 
 
 class Overlays:
-    """The overlays of one shot.
+    """The overlays of one arm.
 
     Args:
-        model: as from `stage.prepare`.
-        data: in the pose of the shot's first frame.
-        shot: what is filmed.
-        look: which overlays there are.
+        model: as from `surroundings.add`.
+        data: in the pose of the first frame.
+        shown: what is filmed.
+        options: which overlays there are.
         scales: what full thickness, colour and length stand for.
         site: id of the tool's site.
         eye: where the camera is at the first frame (3,) [m].
@@ -82,17 +82,17 @@ class Overlays:
         self,
         model: mujoco.MjModel,
         data: mujoco.MjData,
-        shot: Shot,
-        look: Look,
+        shown: FrameData,
+        options: RenderOptions,
         scales: Scale,
         site: int,
         eye: np.ndarray,
     ) -> None:
-        self._model, self._shot, self._look, self._scale = model, shot, look, scales
+        self._model, self._shown, self._options, self._scale = model, shown, options, scales
         self._site = site
         self._pose = mujoco.MjData(model)
         self._pose.qpos[:] = data.qpos
-        ids = [model.joint(name).id for name in shot.joints]
+        ids = [model.joint(name).id for name in shown.joints]
         self._address = model.jnt_qposadr[ids]
         self._tool: dict[int, np.ndarray] = {}
         anchors = [data.xanchor[i] for i in ids] + [data.site_xpos[site]]
@@ -101,32 +101,34 @@ class Overlays:
             _place(model, data, i, anchors[k + 1], self.size, eye) for k, i in enumerate(ids)
         ]
         self._path, self._path_cycle = np.empty(0), -1
-        self._dt = float(np.diff(shot.time).min())
+        self._dt = float(np.diff(shown.time).min())
         self._skins = {model.skin(s).name: s for s in range(model.nskin)}
 
-    def go_on(self, shot: Shot, scales: Scale) -> None:
+    def go_on(self, shown: FrameData, scales: Scale) -> None:
         """Show another part of the same arm's run, or more of it, from the next update on."""
-        self._shot, self._scale = shot, scales
+        self._shown, self._scale = shown, scales
         self._tool.clear()
 
     def update(self, data: mujoco.MjData, sample: int, eye: np.ndarray) -> None:
         """Bring the overlays to a sample; `data` is in its pose, and the camera at `eye` (3,)."""
-        if self._look.path:
+        if self._options.path:
             self._update_path(sample, eye)
-        if self._look.trail:
+        if self._options.trail:
             self._update_trail(sample, eye)
+        self._equilibrium = self._shown.equilibrium(sample)
+        self._spring = self._shown.spring(sample)
         for j, joint in enumerate(self._joints):
             axis, anchor = data.xaxis[joint.id], data.xanchor[joint.id]
             link = data.xmat[joint.body].reshape(3, 3) @ joint.link
-            if self._look.springs:
+            if self._options.springs:
                 self._update_spring(j, joint, sample, anchor, axis, link)
-            if self._look.motors:
+            if self._options.motors:
                 self._update_motor(j, joint, sample, anchor, axis, link)
 
     def tool(self, sample: int) -> np.ndarray:
         """Position of the tool (3,) [m] at a sample."""
         if sample not in self._tool:
-            self._pose.qpos[self._address] = self._shot.q[sample]
+            self._pose.qpos[self._address] = self._shown.q[sample]
             mujoco.mj_kinematics(self._model, self._pose)
             if len(self._tool) > 4 * TRAIL_RINGS:
                 self._tool.pop(next(iter(self._tool)))
@@ -135,13 +137,13 @@ class Overlays:
 
     def desired(self, sample: int) -> np.ndarray:
         """Desired path of a sample's cycle (PATH_RINGS, 3) [m]; free coordinates as the tool's."""
-        shot = self._shot
-        first, period = int(shot.first[sample]), int(shot.period[sample])
-        last = min(first + period, len(shot.time)) - 1
+        shown = self._shown
+        first, period = int(shown.first[sample]), int(shown.period[sample])
+        last = min(first + period, len(shown.time)) - 1
         index = np.linspace(first, last, PATH_RINGS).round().astype(int)
-        free = len(shot.axes) < 3
+        free = len(shown.axes) < 3
         points = np.array([self.tool(i) for i in index]) if free else np.empty((PATH_RINGS, 3))
-        points[:, shot.axes] = shot.x_desired[index]
+        points[:, shown.axes] = shown.x_desired[index]
         if last - first == period - 1:
             points[-1] = points[0]
         return points
@@ -153,21 +155,21 @@ class Overlays:
         return points + np.minimum(1.5 * self.size / distance, 0.5) * sight
 
     def _update_path(self, sample: int, eye: np.ndarray) -> None:
-        if self._shot.cycle[sample] != self._path_cycle:
-            self._path_cycle = int(self._shot.cycle[sample])
+        if self._shown.cycle[sample] != self._path_cycle:
+            self._path_cycle = int(self._shown.cycle[sample])
             self._path = self.desired(sample)
         points = self._before_all(self._path, eye)
         radius = tubes.dashed(0.035 * self.size, PATH_RINGS, dash=3)
-        self._set("path", tubes.tube(points, radius, _normal(points)), colour(self._look.ink))
+        self._set("path", tubes.tube(points, radius, _normal(points)), colour(self._options.ink))
 
     def _update_trail(self, sample: int, eye: np.ndarray) -> None:
-        long = int(TRAIL * self._shot.period[sample])
+        long = int(TRAIL * self._shown.period[sample])
         step = max(1, long // TRAIL_RINGS)
         # On a grid, so that the next frame's trail is made of the same poses.
         index = (sample // step + np.arange(1 - TRAIL_RINGS, 1)) * step
         index[-1] = sample
         # Cycles that were not kept leave a gap in time that no trail leads over.
-        time = self._shot.time
+        time = self._shown.time
         gaps = np.flatnonzero(np.diff(time[max(0, sample - long) : sample + 1]) > 2 * self._dt)
         since = max(0, sample - long) + (gaps[-1] + 1 if len(gaps) else 0)
         points = np.array([self.tool(i) for i in np.maximum(index, since)])
@@ -178,9 +180,9 @@ class Overlays:
     def _update_spring(
         self, j: int, joint: Joint, s: int, anchor: np.ndarray, axis: np.ndarray, link: np.ndarray
     ) -> None:
-        k = float(self._shot.stiffness[s, j])
+        k = float(self._shown.stiffness[s, j])
         share = min(abs(k) / self._scale.stiffness[j], 1.0)
-        to_equilibrium = float(self._shot.equilibrium[s, j] - self._shot.q[s, j])
+        to_equilibrium = float(self._equilibrium[j] - self._shown.q[s, j])
         if share < WEAK:
             self._hide(f"spring {j}")
             self._hide(f"equilibrium {j}")
@@ -188,9 +190,9 @@ class Overlays:
         thick = 0.09 * self.size * np.sqrt(share)
         profile = tubes.rounded if k > 0 else tubes.dashed
         radius = profile(float(thick), SPRING_RINGS)
-        shade = _shade(self._shot.spring[s, j] / self._scale.spring[j])
+        shade = _shade(self._spring[j] / self._scale.spring[j])
         part = np.linspace(0.0, 1.0, SPRING_RINGS)
-        if self._shot.slides[j]:
+        if self._shown.slides[j]:
             beside = anchor + joint.outer * link
             end = np.clip(to_equilibrium, -4 * self.size, 4 * self.size)
             around = tubes.turned(link, axis, 2 * np.pi * 6 * part)
@@ -214,19 +216,19 @@ class Overlays:
         if near:
             tick = tubes.rounded(0.07 * self.size, TICK_RINGS)
             vertices = tubes.tube(mark, tick, axis)
-            self._set(f"equilibrium {j}", vertices, colour(self._look.ink))
+            self._set(f"equilibrium {j}", vertices, colour(self._options.ink))
         else:
             self._hide(f"equilibrium {j}")
 
     def _update_motor(
         self, j: int, joint: Joint, s: int, anchor: np.ndarray, axis: np.ndarray, link: np.ndarray
     ) -> None:
-        share = float(np.clip(self._shot.tau[s, j] / self._scale.tau[j], -1.0, 1.0))
+        share = float(np.clip(self._shown.tau[s, j] / self._scale.tau[j], -1.0, 1.0))
         if abs(share) < WEAK:
             self._hide(f"motor {j}")
             return
         part = np.linspace(0.0, 1.0, MOTOR_RINGS)
-        if self._shot.slides[j]:
+        if self._shown.slides[j]:
             points = anchor - joint.outer * link + (3 * self.size * share * part)[:, None] * axis
             normal = link
         else:

@@ -1,4 +1,4 @@
-"""The plots of the strip: torque² per cycle and stiffness over time, drawn once for a video."""
+"""The plots below the scene: torque² per cycle and stiffness over time, drawn once for a video."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from ...results.run import Run
 from ..palette import MEASURED, MUTED, OPTIMAL
-from .look import Look
-from .strip import Strip
+from .options import RenderOptions
+from .plot_picture import PlotPicture
 
 
-def strips(runs: tuple[Run, ...], look: Look) -> tuple[Strip | None, ...]:
-    """The strip of each run of a picture; None where the look has none."""
-    if not look.strip:
+def pictures(runs: tuple[Run, ...], options: RenderOptions) -> tuple[PlotPicture | None, ...]:
+    """The plots of each run of a picture; None where the options have none."""
+    if not options.plots:
         return (None,) * len(runs)
-    columns = look.columns(len(runs))
+    columns = options.columns(len(runs))
     return tuple(
-        draw(run, look, right - left) for run, (left, right) in zip(runs, columns, strict=True)
+        draw(run, options, right - left) for run, (left, right) in zip(runs, columns, strict=True)
     )
 
 
-def draw(run: Run, look: Look, width: int) -> Strip:
-    """The strip of a run, `width` pixels wide and as high as the look has it."""
-    height = look.strip_height
+def draw(run: Run, options: RenderOptions, width: int) -> PlotPicture:
+    """The plots of a run, `width` pixels wide and as high as the options have them."""
+    height = options.plots_height
     size = max(6.0, min(height / 18, width / 68, 15.0))
     style: Any = {
         "font.size": size,
@@ -39,11 +39,11 @@ def draw(run: Run, look: Look, width: int) -> Strip:
         "axes.linewidth": 0.8,
         "axes.spines.top": False,
         "axes.spines.right": False,
-        "axes.facecolor": look.paper,
-        "figure.facecolor": look.paper,
+        "axes.facecolor": options.paper,
+        "figure.facecolor": options.paper,
         **dict.fromkeys(
             ("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"),
-            look.ink,
+            options.ink,
         ),
         "xtick.major.pad": 2,
         "ytick.major.pad": 2,
@@ -51,15 +51,15 @@ def draw(run: Run, look: Look, width: int) -> Strip:
         "ytick.major.size": 3,
     }
     with matplotlib.rc_context(style):
-        before, panels = _plots(run, look, (width, height), size, 1.0)
-        after, _ = _plots(run, look, (width, height), size, 0.22)
+        before, panels = _plots(run, options, (width, height), size, 1.0)
+        after, _ = _plots(run, options, (width, height), size, 0.22)
     end = float(run.data["end"].values[-1])
-    ink = np.array([int(look.ink[i : i + 2], 16) for i in (1, 3, 5)], np.uint8)
-    return Strip(before, after, panels, (0.0, end), ink)
+    ink = np.array([int(options.ink[i : i + 2], 16) for i in (1, 3, 5)], np.uint8)
+    return PlotPicture(before, after, panels, (0.0, end), ink)
 
 
 def _plots(
-    run: Run, look: Look, pixels: tuple[int, int], size: float, strength: float
+    run: Run, options: RenderOptions, pixels: tuple[int, int], size: float, strength: float
 ) -> tuple[np.ndarray, tuple[tuple[int, int, int, int], ...]]:
     width, height = pixels
     figure = Figure(figsize=(width / 72, height / 72), dpi=72)

@@ -17,10 +17,9 @@ from ...errors import PictureError
 from ...files import could_be_written
 from ...results.run import Run
 from ...text import cut, listed, one_line
-from . import encoding, gl, plots, setting
-from . import shot as shots
-from .filming import BROKEN, READY, WRONG, Job
-from .look import Look
+from . import encoding, frame_data, gl, plots, render_model
+from .drawing_process import BROKEN, READY, WRONG, Job
+from .options import RenderOptions
 
 Progress = Callable[[int, int], None]
 
@@ -45,7 +44,7 @@ def render(
     fps: float = 30.0,
     *,
     speed: float = 1.0,
-    look: Look | None = None,
+    options: RenderOptions | None = None,
     labels: Sequence[str] | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -60,7 +59,7 @@ def render(
         stop: where it ends: seconds, or a cycle such as "10c" with whose end it ends; the run's.
         fps: frames per second.
         speed: seconds of the run per second of video.
-        look: size, camera, background and what is drawn; all has defaults.
+        options: size, camera, background and what is drawn; all has defaults.
         labels: what the picture calls each run; the experiments' names.
         workers: processes that draw; one per core.
         progress: is called with the number of frames done and that of all.
@@ -80,19 +79,19 @@ def render(
         raise PictureError(f"fps = {fps:g}: it must be between {FPS[0]:g} and {FPS[1]:g}")
     if not 0 < speed < float("inf"):
         raise PictureError(f"speed = {speed:g}: it must be greater than 0")
-    low, high = shots.common_span(runs, start, stop)
+    low, high = frame_data.common_span(runs, start, stop)
     if (high - low) * fps > MOST * speed:
         raise PictureError(
             f"from {low:g} s to {high:g} s at {fps:g} fps and speed {speed:g} there are "
             f"{(high - low) / speed * fps:.3g} frames; a video has at most {MOST}"
         )
-    times = shots.times(runs, low, high, speed / fps, start is not None or stop is not None)
+    times = frame_data.times(runs, low, high, speed / fps, start is not None or stop is not None)
     return film(
         runs,
         path,
         times,
         fps,
-        look=look,
+        options=options,
         labels=labels,
         workers=workers,
         progress=progress,
@@ -106,7 +105,7 @@ def film(
     times: np.ndarray,
     fps: float,
     *,
-    look: Look | None = None,
+    options: RenderOptions | None = None,
     labels: Sequence[str] | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -116,12 +115,12 @@ def film(
 
     Args:
         runs: the runs, side by side.
-        path: the video: .mp4 (H.264), .webp or .gif.
+        path: the video.
         times: of the frames (F,) [s], ascending; every run has a sample at each, as those from
-            `shot.times`.
+            `frame_data.times`.
         fps: frames per second.
-        look: as for `render`; so are labels, workers, progress and note.
-        labels: what the picture calls each run.
+        options: as for `render`; so are the following.
+        labels: one for each run.
         workers: processes that draw.
         progress: is called with the number of frames done and that of all.
         note: is called with each line that the user should know.
@@ -132,35 +131,39 @@ def film(
     Raises:
         PictureError, OutputError, RobotError: as `render`.
     """
-    path, look, note = Path(path), look or Look(), note or (lambda line: None)
+    path, options, note = Path(path), options or RenderOptions(), note or (lambda line: None)
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
     if labels and len(labels) != len(runs):
         raise PictureError(
             f"{len(labels)} labels, {listed(labels)}, for {len(runs)} runs: give one for each"
         )
-    encoding.check(path, look.background == "transparent")
+    encoding.check(path, options.background == "transparent")
     could_be_written(path.parent)
     if path.suffix.lower() == ".mp4":
-        look = _even(look, note)
+        options = _even(options, note)
     names = (cut(one_line(name), 40) for name in labels or (one.experiment.name for one in runs))
-    taken = tuple(shots.shot(one, times, name) for one, name in zip(runs, names, strict=True))
+    taken = tuple(
+        frame_data.of_run(one, times, name) for one, name in zip(runs, names, strict=True)
+    )
     job = Job(
-        shots=taken,
+        shown=taken,
         models=tuple(
-            setting.prepare(one, look, (right - left, look.size[1] - look.strip_height), note)
-            for one, (left, right) in zip(taken, look.columns(len(taken)), strict=True)
+            render_model.prepare(
+                one, options, (right - left, options.size[1] - options.plots_height), note
+            )
+            for one, (left, right) in zip(taken, options.columns(len(taken)), strict=True)
         ),
-        strips=plots.strips(tuple(runs), look),
-        look=look,
-        scales=shots.scales(taken),
+        plots=plots.pictures(tuple(runs), options),
+        options=options,
+        scales=frame_data.scales(taken),
         frames=range(len(times)),
     )
-    pixels = bytearray(look.channels * look.size[0] * look.size[1])
+    pixels = bytearray(options.channels * options.size[0] * options.size[1])
     count = min(workers or cores(), len(times))
     with (
         _crew(job, count) as crew,
-        encoding.encoder(path, look.size, fps, look.channels) as encode,
+        encoding.encoder(path, options.size, fps, options.channels) as encode,
     ):
         for frame in job.frames:
             _read(crew[frame % count], memoryview(pixels))
@@ -170,14 +173,14 @@ def film(
     return path
 
 
-def _even(look: Look, note: Callable[[str], None]) -> Look:
-    """The look in a size that H.264 takes."""
-    width, height = look.size
+def _even(options: RenderOptions, note: Callable[[str], None]) -> RenderOptions:
+    """The options in a size that H.264 takes."""
+    width, height = options.size
     even = (width + width % 2, height + height % 2)
-    if even == look.size:
-        return look
+    if even == options.size:
+        return options
     note(f"size {width}x{height} is drawn as {even[0]}x{even[1]}: H.264 needs even")
-    return replace(look, size=even)
+    return replace(options, size=even)
 
 
 @contextmanager
@@ -217,13 +220,12 @@ def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]
     # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
     path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}
-    if backend is not None:
-        environment["MUJOCO_GL"] = backend
+    environment["MUJOCO_GL"] = backend or ""
     if count > 1:
         # Software OpenGL has threads of its own: the processes share the cores already.
         environment.setdefault("LP_NUM_THREADS", "1")
     process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "resonance_mj.pictures.film.filming"],
+        [sys.executable, "-P", "-m", "resonance_mj.pictures.film.drawing_process"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=environment,

@@ -12,9 +12,8 @@ import numpy as np
 
 from ...errors import PictureError
 from ...results.run import Run
-from ..film import encoding, video
-from ..film import shot as shots
-from ..film.look import Look
+from ..film import encoding, frame_data, video
+from ..film.options import RenderOptions
 from ..spans import spans
 
 LEAST, MOST = 4.0, 12.0
@@ -67,7 +66,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
         PictureError: they have no samples at a time that they share.
     """
     shown = tuple(runs)[: max(SIZES)]
-    _, end = shots.common_span(shown, None, None)
+    _, end = frame_data.common_span(shown, None, None)
     shown_spans = spans(shown[0], end)
     total = sum(stop - start for start, stop in shown_spans)
     speed = total / min(max(total, LEAST), MOST)
@@ -75,7 +74,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
     scenes: list[Scene] = []
     for start, stop in shown_spans:
         try:
-            part = shots.times(shown, start, stop, speed / FPS, given=False)
+            part = frame_data.times(shown, start, stop, speed / FPS, given=False)
         except PictureError:  # None of its cycles were kept in all runs.
             continue
         scenes.append(Scene(start, stop, sum(len(one) for one in parts) / FPS))
@@ -105,7 +104,7 @@ def shoot(planned: Film, progress: video.Progress | None = None) -> Film:
             Path(folder) / "film.mp4",
             planned.times,
             FPS,
-            look=Look(size=planned.size),
+            options=RenderOptions(size=planned.size),
             labels=planned.labels,
             progress=progress,
         )

@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 
 from ..film.captions import HeadUp, Legend
-from ..film.look import Look, rgb
-from ..film.shot import Shot
+from ..film.frame_data import FrameData
+from ..film.options import RenderOptions, rgb
 
 READABLE = 0.1
 """Time between changes of the line above [s]: numbers that change faster cannot be read."""
@@ -23,22 +23,22 @@ class Captions:
     """Writes the lines when there is something new to read.
 
     Args:
-        look: which of them there are, and their colours.
+        options: which of them there are, and their colours.
     """
 
-    def __init__(self, look: Look) -> None:
-        self._look = look
-        self._shot: Shot | None = None
+    def __init__(self, options: RenderOptions) -> None:
+        self._options = options
+        self._shown: FrameData | None = None
         self._place: tuple[object, ...] = ()
         self._sample, self._since = -1, 0.0
 
     def images(
-        self, shot: Shot, label: str, sample: int, port: mujoco.MjrRect
+        self, shown: FrameData, label: str, sample: int, port: mujoco.MjrRect
     ) -> list[Image] | None:
         """The lines of a sample.
 
         Args:
-            shot: what is shown.
+            shown: what is shown.
             label: what the line above calls it.
             sample: the number of the sample.
             port: the part of the window that they are for.
@@ -50,18 +50,18 @@ class Captions:
         now = time.perf_counter()
         if place == self._place and (sample == self._sample or now < self._since + READABLE):
             return None
-        if place != self._place or shot is not self._shot:
+        if place != self._place or shown is not self._shown:
             width, height = (min(max(edge, 160), 8192) for edge in (port.width, port.height))
-            look = replace(self._look, size=(width, height))
-            self._legend = Legend(look, port.width)
-            self._head_up = HeadUp(replace(shot, label=label), look, port.width)
-        self._shot, self._place, self._sample, self._since = shot, place, sample, now
+            options = replace(self._options, size=(width, height))
+            self._legend = Legend(options, port.width)
+            self._head_up = HeadUp(replace(shown, label=label), options, port.width)
+        self._shown, self._place, self._sample, self._since = shown, place, sample, now
         found = []
         if self._legend.height:
             foot = self._paper(self._legend.height, port.width)
             self._legend.draw(foot)
             found.append((mujoco.MjrRect(port.left, port.bottom, port.width, len(foot)), foot))
-        if self._look.head_up:
+        if self._options.head_up:
             top = self._paper(self._head_up.height, port.width)
             self._head_up.draw(top, sample)
             bottom = port.bottom + port.height - len(top)
@@ -69,5 +69,5 @@ class Captions:
         return found
 
     def _paper(self, height: int, width: int) -> np.ndarray:
-        colour = np.round(255 * np.array(rgb(self._look.paper))).astype(np.uint8)
+        colour = np.round(255 * np.array(rgb(self._options.paper))).astype(np.uint8)
         return np.tile(colour, (height, width, 1))

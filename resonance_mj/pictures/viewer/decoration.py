@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from ..film.stage import PREFIX
+from ..film.surroundings import PREFIX
 
 
 class Decoration:

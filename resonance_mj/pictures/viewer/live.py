@@ -13,10 +13,10 @@ from ...results.run import Run
 from ...simulation.simulation import simulate_plans
 from ...simulation.stepper import Alone
 from ...status import Status
-from ..film.look import Look
-from . import film
+from ..film.options import RenderOptions
+from . import live_data
 from .clock import Clock
-from .film import Film
+from .live_data import LiveData
 from .window import Closed, Window
 
 PORTION = 64
@@ -46,7 +46,7 @@ class Watched(Alone):
         self._window, self._clock, self._starts = window, clock, clock.starts
         self._dt = prepared.experiment.simulation.timestep
         self._memory = Memory(self.userdata, prepared.layout)
-        self._film = Film(prepared, self._memory)
+        self._live = LiveData(prepared, self._memory)
         self._cycle = self._taken = 0
         # A payload's body is one that the window's copy of the arm does not have.
         bodies = np.arange(models[0].nbody)
@@ -59,7 +59,7 @@ class Watched(Alone):
             Closed: the window was closed.
             Restarted: the user wants the run from its beginning.
         """
-        self._film.begin(self._cycle)
+        self._live.begin(self._cycle)
         done = 0
         while done < steps:
             failed = self._recorded(steps) < steps
@@ -69,17 +69,17 @@ class Watched(Alone):
                 super().step(robots, some)
                 done, self._taken = done + some, self._taken + some
             if some <= 0 or self._window.late:
-                self._film.fill(min(done, self._recorded(steps)))
+                self._live.fill(min(done, self._recorded(steps)))
                 self.show()
                 if due * self._dt > BEHIND * self._clock.speed:
                     self._clock.go_on_at(self._taken * self._dt)
-        self._film.fill(self._recorded(steps))
+        self._live.fill(self._recorded(steps))
         self._cycle += 1
 
     def show(self, state: str = "") -> None:
         """Show the last sample, and wait for the next frame; `state` is what the line adds."""
-        self._window.go_on(self._film.shot, self._film.scales, state)
-        self._window.show(self._film.sample)
+        self._window.go_on(self._live.shown, self._live.scales, state)
+        self._window.show(self._live.sample)
         self._window.wait()
         self.data.xfrc_applied[self._bodies] = self._window.pushes
         if self._clock.starts != self._starts:
@@ -93,7 +93,7 @@ class Watched(Alone):
 
 def live(
     prepared: Plan,
-    look: Look,
+    options: RenderOptions,
     clock: Clock,
     once: bool,
     ended: Callable[[Run], None],
@@ -103,7 +103,7 @@ def live(
 
     Args:
         prepared: the experiment.
-        look: camera, background and what is drawn.
+        options: camera, background and what is drawn.
         clock: how fast.
         once: close the window when the run ends.
         ended: is called with the run as soon as it ends.
@@ -113,7 +113,9 @@ def live(
         The last run that ended, None if there is none.
     """
     run: Run | None = None
-    with Window(film.whole(prepared), look, film.expected(prepared, 0), clock, note) as window:
+    with Window(
+        live_data.whole(prepared), options, live_data.expected(prepared, 0), clock, note
+    ) as window:
         while True:
             clock.go_on_at(0.0)
             watched = Watched([prepared.robot.model], prepared, window, clock)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...results.run import Run
-from ..film import shot as shots
-from ..film.look import Look
-from ..film.shot import Shot
+from ..film import frame_data
+from ..film.frame_data import FrameData
+from ..film.options import RenderOptions
 from .clock import Clock
 from .window import Closed, Window
 
 
-def taken(run: Run, start: float | str | None, stop: float | str | None) -> Shot:
+def taken(run: Run, start: float | str | None, stop: float | str | None) -> FrameData:
     """All samples of a span of a run.
 
     Args:
@@ -23,10 +23,10 @@ def taken(run: Run, start: float | str | None, stop: float | str | None) -> Shot
     Raises:
         PictureError: the span is not within the run, or was not kept.
     """
-    low, high = shots.span(run, start, stop)
+    low, high = frame_data.span(run, start, stop)
     dt = run.experiment.simulation.timestep
-    times = shots.times((run,), low, high, dt, start is not None or stop is not None)
-    return shots.shot(run, times, run.experiment.name)
+    times = frame_data.times((run,), low, high, dt, start is not None or stop is not None)
+    return frame_data.of_run(run, times, run.experiment.name)
 
 
 def frame(steps: int, frames: int, once: bool) -> int | None:
@@ -44,24 +44,29 @@ def frame(steps: int, frames: int, once: bool) -> int | None:
 
 
 def replay(
-    run: Run, shot: Shot, look: Look, clock: Clock, once: bool, note: Callable[[str], None]
+    run: Run,
+    shown: FrameData,
+    options: RenderOptions,
+    clock: Clock,
+    once: bool,
+    note: Callable[[str], None],
 ) -> None:
-    """Show a shot until the window is closed, or to its end.
+    """Show a run until the window is closed, or to its end.
 
     Args:
         run: the run.
-        shot: what to show of it, from `taken`.
-        look: camera, background and what is drawn.
+        shown: what to show of it, from `taken`.
+        options: camera, background and what is drawn.
         clock: how fast.
         once: end after the last frame instead of beginning again.
         note: is called with each line that the user should know.
     """
     dt = run.experiment.simulation.timestep
-    with Window(shot, look, shots.scale([shot]), clock, note) as window:
+    with Window(shown, options, frame_data.scale([shown]), clock, note) as window:
         clock.go_on_at(0.0)
         try:
-            while (number := frame(clock.steps(dt), len(shot.sample), once)) is not None:
-                window.show(int(shot.sample[number]))
+            while (number := frame(clock.steps(dt), len(shown.sample), once)) is not None:
+                window.show(int(shown.sample[number]))
                 window.wait()
         except Closed:
             return

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ...errors import PictureError
 from ...experiments.experiment import Experiment
 from ...results.run import Run
-from ..film.look import Look
+from ..film.options import RenderOptions
 from . import display
 from .clock import KEYS_HELP, Clock
 
@@ -19,7 +19,7 @@ def view(
     start: float | str | None = None,
     stop: float | str | None = None,
     once: bool = False,
-    look: Look | None = None,
+    options: RenderOptions | None = None,
     note: Callable[[str], None] | None = None,
     ended: Callable[[Run], None] | None = None,
 ) -> Run | None:
@@ -32,7 +32,7 @@ def view(
         start: where to begin in a run: seconds, or a cycle such as "8c"; its start.
         stop: where to end: seconds, or a cycle such as "10c" with whose end it ends; its end.
         once: close the window at the end.
-        look: camera, background and what is drawn; its size and plots are for videos.
+        options: camera, background and what is drawn; its size and plots are for videos.
         note: is called with each line that the user should know.
         ended: is called with the run that was simulated as soon as it ends; the window stays.
 
@@ -46,10 +46,10 @@ def view(
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
         CallbackError: a simulation is running in this process.
     """
-    look, note, ended = look or Look(), note or _ignore, ended or _ignore
+    options, note, ended = options or RenderOptions(), note or _ignore, ended or _ignore
     if not 0 < speed < float("inf"):
         raise PictureError(f"speed = {speed:g}: it must be greater than 0")
-    if look.background == "transparent":
+    if options.background == "transparent":
         raise PictureError("background 'transparent': a window is not; give sky, white or dark")
     if isinstance(what, Experiment) and (start is not None or stop is not None):
         raise PictureError(
@@ -59,10 +59,10 @@ def view(
     if isinstance(what, Run):
         from .replay import replay, taken
 
-        shot = taken(what, start, stop)
+        shown = taken(what, start, stop)
         display.check()
         note(KEYS_HELP)
-        replay(what, shot, look, Clock(speed), once, note)
+        replay(what, shown, options, Clock(speed), once, note)
         return what
     display.check()
     from ...callback.callback import refuse_another
@@ -73,7 +73,7 @@ def view(
     prepared = plan_for(what)
     for line in (*prepared.notes, KEYS_HELP):
         note(line)
-    return live(prepared, look, Clock(speed), once, ended, note)
+    return live(prepared, options, Clock(speed), once, ended, note)
 
 
 def _ignore(_: object) -> None:

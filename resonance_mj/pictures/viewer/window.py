@@ -15,9 +15,9 @@ import mujoco.viewer
 import numpy as np
 
 from ...errors import PictureError
-from ..film.look import Look
-from ..film.setting import Setting, prepare
-from ..film.shot import Scale, Shot
+from ..film.frame_data import FrameData, Scale
+from ..film.options import RenderOptions
+from ..film.render_model import RenderModel, prepare
 from . import display
 from .captions import Captions
 from .clock import Clock
@@ -32,11 +32,11 @@ class Closed(Exception):  # noqa: N818 (nothing went wrong)
 
 
 class Window:
-    """A window on a shot, open while the `with` block runs.
+    """A window on a run, open while the `with` block runs.
 
     Args:
-        shot: which arm; its samples are in the picture for certain.
-        look: camera, background and what is drawn.
+        shown: which arm; its samples are in the picture for certain.
+        options: camera, background and what is drawn.
         scales: what full thickness, colour and length of the overlays stand for.
         clock: is set by the user's keys.
         note: is called with each line that the user should know.
@@ -48,16 +48,18 @@ class Window:
 
     def __init__(
         self,
-        shot: Shot,
-        look: Look,
+        shown: FrameData,
+        options: RenderOptions,
         scales: Scale,
         clock: Clock,
         note: Callable[[str], None],
     ) -> None:
-        self._shot, self._look, self._scales, self._clock = shot, look, scales, clock
-        self._setting = Setting(shot, look, *prepare(shot, look, look.size, note))
-        self._setting.camera(1.0)  # one that is not there is said before the window opens
-        self._captions = Captions(look)
+        self._shown, self._options, self._scales, self._clock = shown, options, scales, clock
+        self._render_model = RenderModel(
+            shown, options, *prepare(shown, options, options.size, note)
+        )
+        self._render_model.camera(1.0)  # one that is not there is said before the window opens
+        self._captions = Captions(options)
         self._keys: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._opened = False
         self._next, self._state = 0.0, ""
@@ -83,8 +85,8 @@ class Window:
         before = set(threading.enumerate())
         try:
             self._viewer = mujoco.viewer.launch_passive(
-                self._setting.model,
-                self._setting.data,
+                self._render_model.model,
+                self._render_model.data,
                 key_callback=self._keys.put,
                 show_left_ui=False,
                 show_right_ui=False,
@@ -96,8 +98,8 @@ class Window:
         self._viewer.set_figures((mujoco.MjrRect(0, 0, 1, 1), mujoco.MjvFigure()))
         with self._viewer.lock():
             eye = self._place_camera()
-        self._overlays = self._setting.overlays(self._scales, eye)
-        self._decoration = Decoration(self._setting.model, self._viewer.user_scn)
+        self._overlays = self._render_model.overlays(self._scales, eye)
+        self._decoration = Decoration(self._render_model.model, self._viewer.user_scn)
 
     def _close(self) -> None:
         if self._opened:
@@ -114,29 +116,29 @@ class Window:
     @property
     def pushes(self) -> np.ndarray:
         """Forces and torques with which the user pulls at bodies (nbody, 6) [N, N m]."""
-        return self._setting.data.xfrc_applied
+        return self._render_model.data.xfrc_applied
 
-    def go_on(self, shot: Shot, scales: Scale, state: str = "") -> None:
+    def go_on(self, shown: FrameData, scales: Scale, state: str = "") -> None:
         """Show another part of the same arm's run, or more of it, from the next frame on.
 
         Args:
-            shot: the part.
+            shown: the part.
             scales: what the overlays' full thickness, colour and length stand for from now on.
             state: what the line above adds to the run's name.
         """
-        self._shot, self._state = shot, state
-        self._overlays.go_on(shot, scales)
+        self._shown, self._state = shown, state
+        self._overlays.go_on(shown, scales)
 
     def show(self, sample: int) -> None:
-        """Show a sample of the shot."""
-        setting = self._setting
-        setting.pose(self._shot.q[sample])
+        """Show a sample."""
+        render_model = self._render_model
+        render_model.pose(self._shown.q[sample])
         with self._viewer.lock():
             camera = self._viewer.cam
-            if self._look.follow and camera.type == mujoco.mjtCamera.mjCAMERA_FREE:
-                camera.lookat[:] = setting.data.site_xpos[setting.site]
-            eye = np.array(setting.eye(camera))
-        self._overlays.update(setting.data, sample, eye)
+            if self._options.follow and camera.type == mujoco.mjtCamera.mjCAMERA_FREE:
+                camera.lookat[:] = render_model.data.site_xpos[render_model.site]
+            eye = np.array(render_model.eye(camera))
+        self._overlays.update(render_model.data, sample, eye)
         self._decoration.update()
         self._write(sample)
         self._viewer.sync()
@@ -155,21 +157,21 @@ class Window:
             raise Closed
 
     def _place_camera(self) -> np.ndarray:
-        """Look at the motion from where the look says; where that is (3,) [m]."""
+        """Look at the motion from where the options say; where that is (3,) [m]."""
         port, mine = self._viewer.viewport, self._viewer.cam
-        found = self._setting.camera(port.width / max(port.height, 1))
+        found = self._render_model.camera(port.width / max(port.height, 1))
         for name in ("type", "fixedcamid", "azimuth", "elevation", "distance"):
             setattr(mine, name, getattr(found, name))
         mine.lookat[:] = found.lookat
-        return np.array(self._setting.eye(found))
+        return np.array(self._render_model.eye(found))
 
     def _write(self, sample: int) -> None:
         """Write the line above and that at the foot, where something in them has changed."""
         clock = self._clock
         speed = f"× {clock.speed:g}" if clock.speed != 1 else ""
-        parts = [self._shot.label, self._state, speed, "paused" if clock.paused else ""]
+        parts = [self._shown.label, self._state, speed, "paused" if clock.paused else ""]
         label, port = ", ".join(filter(None, parts)), self._viewer.viewport
-        images = self._captions.images(self._shot, label, sample, port)
+        images = self._captions.images(self._shown, label, sample, port)
         if images is not None:
             self._viewer.set_images(images)
 

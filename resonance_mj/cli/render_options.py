@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..pictures.film.look import Look
+    from ..pictures.film.options import RenderOptions
 
 PARTS = {
     "path": "the desired path",
     "trail": "the tool's recent trail",
     "springs": "springs and equilibria",
     "motors": "the motors' torque",
-    "strip": "the plots below",
+    "plots": "the plots below",
     "head-up": "the line above",
     "legend": "what the overlays mean",
 }
-"""What can be left out, by the names of Look."""
+"""What can be left out, by the names of RenderOptions."""
 
 
 def add_span(parser: argparse.ArgumentParser) -> None:
@@ -28,10 +28,10 @@ def add_span(parser: argparse.ArgumentParser) -> None:
     add("--to", dest="stop", metavar="TIME", help="seconds, or a cycle: 10c ends with the 10th")
 
 
-def add_look(
+def add_options(
     parser: argparse.ArgumentParser, backgrounds: str, without: Sequence[str] = ()
 ) -> None:
-    """Let a parser take what `look` reads.
+    """Let a parser take what `chosen` reads.
 
     Args:
         parser: the parser.
@@ -52,10 +52,11 @@ def add_look(
             add(f"--no-{part}", action="store_true", help=f"leave out {meaning}")
 
 
-def look(options: argparse.Namespace, **more: Any) -> Look:
-    """The look that the options of `add_look` ask for, and `more` of it."""
-    from ..pictures.film.look import Look
+def chosen(options: argparse.Namespace, **more: Any) -> RenderOptions:
+    """What the options of `add_options` ask for, and `more`."""
+    from ..pictures.film.options import RenderOptions
 
     names = (part.replace("-", "_") for part in PARTS)
     more.update({name: not getattr(options, f"no_{name}", False) for name in names})
-    return Look(camera=options.camera, follow=options.follow, background=options.background, **more)
+    given = {name: getattr(options, name) for name in ("camera", "follow", "background")}
+    return RenderOptions(**given, **more)

@@ -14,7 +14,7 @@ BACKGROUNDS = ("sky", "white", "dark", "transparent")
 
 
 @dataclass(frozen=True)
-class Look:
+class RenderOptions:
     """How a video looks.
 
     Attributes:
@@ -27,7 +27,7 @@ class Look:
         trail: draw where the tool was in the last half cycle.
         springs: draw the joints' springs and equilibria.
         motors: draw the motors' torque.
-        strip: draw torque² and stiffness below the scene.
+        plots: draw torque² and stiffness below the scene.
         head_up: write time, cycle, reduction and tracking error above it.
         legend: say at its foot what the overlays mean.
 
@@ -43,7 +43,7 @@ class Look:
     trail: bool = True
     springs: bool = True
     motors: bool = True
-    strip: bool = True
+    plots: bool = True
     head_up: bool = True
     legend: bool = True
 
@@ -98,9 +98,9 @@ class Look:
         return azimuth, elevation, distance
 
     @property
-    def strip_height(self) -> int:
-        """Rows of the picture that the strip takes."""
-        return round(0.27 * self.size[1]) // 2 * 2 if self.strip else 0
+    def plots_height(self) -> int:
+        """Rows of the picture that the plots take."""
+        return round(0.27 * self.size[1]) // 2 * 2 if self.plots else 0
 
     def columns(self, runs: int) -> list[tuple[int, int]]:
         """First and last column, exclusive, of each run's part; there is a gap between them."""

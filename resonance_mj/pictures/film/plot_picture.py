@@ -1,4 +1,4 @@
-"""The strip below the scene: plots drawn once, faint and in full, with a cursor that moves.
+"""The plots below the scene: drawn once, faint and in full, with a cursor that moves.
 
 A frame takes what lies before the cursor from one drawing and what lies behind it from the other.
 """
@@ -14,7 +14,7 @@ CURSOR = 2
 
 
 @dataclass(frozen=True)
-class Strip:
+class PlotPicture:
     """Two pictures (height, width, 3) of the same plots, and where time is in them.
 
     Attributes:
@@ -32,7 +32,7 @@ class Strip:
     ink: np.ndarray
 
     def draw(self, picture: np.ndarray, time: float) -> None:
-        """Draw the strip at a time [s] into `picture` (height, width, 3 or 4)."""
+        """Draw the plots at a time [s] into `picture` (height, width, 3 or 4)."""
         picture = picture[..., :3]
         picture[:] = self.after
         low, high = self.span

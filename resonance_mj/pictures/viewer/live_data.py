@@ -1,4 +1,4 @@
-"""A simulation as shots: what is planned before it, and a cycle that fills up while it goes."""
+"""A simulation as frame data: what is planned, and a cycle that fills up while it goes."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ import numpy as np
 from ...laws.memory import Memory
 from ...plan.plan import Plan
 from ...springs import spring as springs
-from ...springs.spring import equilibrium_angles as equilibrium
-from ..film import shot as shots
-from ..film.shot import Scale, Shot
+from ..film import frame_data
+from ..film.frame_data import FrameData, Scale
 
 OF_SAMPLES = (
-    *("time", "cycle", "period", "q", "x_desired", "error", "stiffness", "equilibrium"),
-    *("spring", "tau", "reduction", "best"),
+    *("time", "cycle", "period", "q", "x", "x_desired", "stiffness", "offset", "center", "tau"),
+    *("reduction", "best"),
 )
-"""What a shot has of each sample."""
+"""What frame data have of each sample."""
 
 
-def planned(one: Plan, cycle: int) -> Shot:
+def planned(one: Plan, cycle: int) -> FrameData:
     """A cycle of the run, counted from 0, as it should be: the desired motion, and no torque."""
     segment = one.schedule[cycle]
     steps, dt = one.steps(segment), one.experiment.simulation.timestep
     best = one.optima[segment]
     axes = tuple("xyz".index(axis) for axis in one.robot.position_axes)
-    none = np.zeros((5, steps, one.robot.n))
-    return Shot(
+    none = np.zeros((4, steps, one.robot.n))
+    x = one.desired(cycle).x[:, : len(axes)]
+    return FrameData(
         label=one.experiment.name,
         robot=one.experiment.robot,
         joints=one.robot.joints,
@@ -41,18 +41,18 @@ def planned(one: Plan, cycle: int) -> Shot:
         first=np.zeros(steps, int),
         period=np.full(steps, steps),
         q=one.joints[segment].q.copy(),
-        x_desired=one.desired(cycle).x[:, : len(axes)].copy(),
-        error=np.zeros(steps),
+        x=x.copy(),
+        x_desired=x.copy(),
         stiffness=none[0],
-        equilibrium=none[1],
-        spring=none[2],
+        offset=none[1],
+        center=none[2],
         tau=none[3],
         reduction=np.full(steps, np.nan),
         best=np.full(steps, best.torque_reduction),
     )
 
 
-def joined(parts: Sequence[Shot]) -> Shot:
+def joined(parts: Sequence[FrameData]) -> FrameData:
     """Parts of one arm's run, one after the other."""
     whole: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in parts]) for name in OF_SAMPLES
@@ -62,7 +62,7 @@ def joined(parts: Sequence[Shot]) -> Shot:
     return replace(parts[-1], sample=np.arange(len(cycle)), first=first, **whole)
 
 
-def whole(one: Plan) -> Shot:
+def whole(one: Plan) -> FrameData:
     """A cycle of each motion as it should be: all that the run will come past."""
     return joined([planned(one, one.schedule.index(i)) for i in range(len(one.joints))])
 
@@ -80,7 +80,7 @@ def expected(one: Plan, segment: int) -> Scale:
     return Scale(*(np.abs(part).max(axis=0) + 1e-9 for part in parts))
 
 
-class Film:
+class LiveData:
     """What is simulated, taken from the controller's memory.
 
     Args:
@@ -88,14 +88,14 @@ class Film:
         memory: of its controller.
 
     Attributes:
-        shot: the cycle that is being simulated, behind the one before it.
+        shown: the cycle that is being simulated, behind the one before it.
         sample: the last sample of it that has been simulated.
         scales: what the overlays' full thickness, colour and length stand for.
     """
 
     def __init__(self, prepared: Plan, memory: Memory) -> None:
         self._one, self._memory = prepared, memory
-        self.shot, self.scales = planned(prepared, 0), expected(prepared, 0)
+        self.shown, self.scales = planned(prepared, 0), expected(prepared, 0)
         self.sample = self._begin = self._filled = 0
 
     def begin(self, cycle: int) -> None:
@@ -105,34 +105,28 @@ class Film:
         coming = planned(self._one, cycle)
         # Springs that grow stiffer than the optimum's become what the thickest stands for.
         hoped = expected(self._one, self._one.schedule[cycle])
-        self.scales = Scale(*map(_most, self.scales, hoped, shots.scale([self.shot])))
+        self.scales = Scale(*map(_most, self.scales, hoped, frame_data.scale([self.shown])))
         before = self._last()
         without = self._one.optima[self._one.schedule[cycle - 1]].torque_squared_without_springs
         coming.reduction[:] = 1 - (before.tau**2).sum(axis=1).mean() / without
-        self.shot = joined([before, coming])
+        self.shown = joined([before, coming])
         self._begin, self._filled = len(before.time), 0
 
     def fill(self, steps: int) -> None:
         """Take what was recorded in the first `steps` steps of the cycle."""
         new = slice(self._filled, steps)
         at = slice(self._begin + self._filled, self._begin + steps)
-        q, x, tau, k, offset = (
-            self._memory.recorded(name, steps)[0, new]
-            for name in ("q", "x", "tau", "stiffness", "offset")
-        )
-        shot, center = self.shot, self._memory["q_c"][0]
-        shot.q[at], shot.tau[at], shot.stiffness[at] = q, tau, k
-        shot.equilibrium[at] = equilibrium(k, offset, center)
-        shot.spring[at] = springs.torque(k, offset, q, center)
-        miss = x[:, : len(shot.axes)] - shot.x_desired[at]
-        shot.error[at] = np.sqrt((miss**2).sum(axis=1))
+        for name in ("q", "x", "tau", "stiffness", "offset"):
+            values = getattr(self.shown, name)
+            values[at] = self._memory.recorded(name, steps)[0, new, : values.shape[1]]
+        self.shown.center[at] = self._memory["q_c"][0]
         self._filled = steps
         self.sample = max(self._begin + steps - 1, 0)
 
-    def _last(self) -> Shot:
-        """The last cycle of the shot."""
-        part: Any = {name: getattr(self.shot, name)[self._begin :] for name in OF_SAMPLES}
-        return replace(self.shot, **part)
+    def _last(self) -> FrameData:
+        """The last cycle of it."""
+        part: Any = {name: getattr(self.shown, name)[self._begin :] for name in OF_SAMPLES}
+        return replace(self.shown, **part)
 
 
 def _most(*values: np.ndarray) -> np.ndarray:

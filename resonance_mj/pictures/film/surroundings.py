@@ -11,8 +11,8 @@ import numpy as np
 from ...robots import mjcf
 from ...robots.compiling import compile_spec
 from . import tubes
-from .look import Look, rgb
-from .shot import Shot
+from .frame_data import FrameData
+from .options import RenderOptions, rgb
 from .visibility import show_arm
 
 FLAT = {"white": (1.0, 1.0, 1.0), "transparent": (1.0, 1.0, 1.0), "dark": (0.086, 0.094, 0.11)}
@@ -24,18 +24,18 @@ PREFIX = "resonance_mj_"
 _GEOM, _TEXTURE = mujoco.mjtGeom, mujoco.mjtTexture
 
 
-def prepare(
-    shot: Shot,
-    look: Look,
+def add(
+    shown: FrameData,
+    options: RenderOptions,
     overlays: dict[str, int],
     size: tuple[int, int],
     note: Callable[[str], None],
 ) -> tuple[mujoco.MjModel, str]:
-    """Compile a copy of the shot's arm for pictures; the file is not changed.
+    """Compile a copy of the arm that is shown for pictures; the file is not changed.
 
     Args:
-        shot: which arm, in which poses.
-        look: background.
+        shown: which arm, in which poses.
+        options: background.
         overlays: rings of each overlay's tube by its name: they become skins.
         size: width and height that are rendered [pixels].
         note: is called with a line if the arm had to be made visible.
@@ -46,22 +46,22 @@ def prepare(
     Raises:
         RobotError: the file is missing or MuJoCo rejects it.
     """
-    given = shot.robot
+    given = shown.robot
     path = mjcf.find(given.mjcf)
     arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
     spec = arm.spec
     model = compile_spec(spec, path)
-    if show_arm(spec, model, shot.joints, arm.site, note):
+    if show_arm(spec, model, shown.joints, arm.site, note):
         model = compile_spec(spec, path)
     if model.nlight == 0:
         _add_light(spec, model.stat)
     floors = [geom for geom in spec.geoms if geom.type == _GEOM.mjGEOM_PLANE]
-    if look.background in FLAT:
+    if options.background in FLAT:
         for geom in floors:
             geom.material, geom.rgba = "", [0, 0, 0, 0]
     elif not floors:
-        _add_floor(spec, lowest(model, shot))
-    _set_sky(spec, look.background)
+        _add_floor(spec, lowest(model, shown))
+    _set_sky(spec, options.background)
     # Overlays glow a little: their colours mean something, in the shadow as well.
     spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
     for name, rings in overlays.items():
@@ -71,12 +71,12 @@ def prepare(
     return compile_spec(spec, path), arm.site
 
 
-def lowest(model: mujoco.MjModel, shot: Shot) -> float:
-    """Height of the lowest point of the model's geoms in the poses of a shot [m]; at most 0."""
+def lowest(model: mujoco.MjModel, shown: FrameData) -> float:
+    """Height of the lowest point of a model's geoms in poses that are shown [m]; at most 0."""
     data = mujoco.MjData(model)
-    address = [model.jnt_qposadr[model.joint(name).id] for name in shot.joints]
+    address = [model.jnt_qposadr[model.joint(name).id] for name in shown.joints]
     found = 0.0
-    for q in shot.q[shot.sample[:: max(1, len(shot.sample) // 20)]]:
+    for q in shown.q[shown.sample[:: max(1, len(shown.sample) // 20)]]:
         data.qpos[address] = q
         mujoco.mj_kinematics(model, data)
         rotation = data.geom_xmat.reshape(-1, 3, 3)

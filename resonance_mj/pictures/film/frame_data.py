@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import PictureError
 from ...experiments.sections import Robot
+from ...springs import spring as springs
 
 if TYPE_CHECKING:
     from ...results.run import Run
@@ -19,7 +20,7 @@ SLACK = 1e-6
 
 
 @dataclass(frozen=True)
-class Shot:
+class FrameData:
     """A span of a run as plain arrays: what the processes that draw it are sent.
 
     Attributes:
@@ -34,11 +35,11 @@ class Shot:
         first: index of the first sample of each sample's cycle (N,).
         period: samples in a whole cycle at each sample (N,).
         q: joint angles (N, n) [rad].
+        x: position of the tool (N, m) [m].
         x_desired: desired position of the tool (N, m) [m].
-        error: distance between the tool and its desired position (N,) [m].
         stiffness: k (N, n) [N m/rad].
-        equilibrium: q_e (N, n) [rad].
-        spring: torque of the springs (N, n) [N m].
+        offset: q̄_e (N, n) [N m].
+        center: q_c (N, n) [rad].
         tau: torque of the motors (N, n) [N m].
         reduction: torque² less than without springs in the last whole cycle, as a share; NaN
             before there is one (N,).
@@ -56,14 +57,28 @@ class Shot:
     first: np.ndarray
     period: np.ndarray
     q: np.ndarray
+    x: np.ndarray
     x_desired: np.ndarray
-    error: np.ndarray
     stiffness: np.ndarray
-    equilibrium: np.ndarray
-    spring: np.ndarray
+    offset: np.ndarray
+    center: np.ndarray
     tau: np.ndarray
     reduction: np.ndarray
     best: np.ndarray
+
+    def error(self, sample: int) -> float:
+        """Distance between the tool and its desired position at a sample [m]."""
+        return float(np.linalg.norm(self.x[sample] - self.x_desired[sample]))
+
+    def equilibrium(self, sample: int) -> np.ndarray:
+        """Equilibrium angles q_e at a sample (n,) [rad]."""
+        at = self.stiffness[sample], self.offset[sample], self.center[sample]
+        return springs.equilibrium_angles(*at)
+
+    def spring(self, samples: int | slice = slice(None)) -> np.ndarray:
+        """Torque of the springs at a sample (n,), or at all of them (N, n) [N m]."""
+        k, offset = self.stiffness[samples], self.offset[samples]
+        return springs.torque(k, offset, self.q[samples], self.center[samples])
 
 
 class Scale(NamedTuple):
@@ -77,18 +92,14 @@ class Scale(NamedTuple):
     """[N m]"""
 
 
-def scale(taken: Sequence[Shot]) -> Scale:
-    """Each joint's greatest stiffness and torques in shots; a rare peak does not count."""
-    return Scale(
-        *(
-            np.max([np.quantile(np.abs(getattr(s, name)), 0.98, axis=0) for s in taken], axis=0)
-            + 1e-9
-            for name in Scale._fields
-        )
-    )
+def scale(taken: Sequence[FrameData]) -> Scale:
+    """Each joint's greatest stiffness and torques in what is shown; a rare peak does not count."""
+    each = [(one.stiffness, one.spring(), one.tau) for one in taken]
+    most = np.max([[np.quantile(np.abs(v), 0.98, axis=0) for v in of] for of in each], axis=0)
+    return Scale(*(most + 1e-9))
 
 
-def scales(taken: Sequence[Shot]) -> tuple[Scale, ...]:
+def scales(taken: Sequence[FrameData]) -> tuple[Scale, ...]:
     """The scale of each run of a picture: one for all if they have the same joints."""
     if len({one.joints for one in taken}) == 1:
         return (scale(taken),) * len(taken)
@@ -162,7 +173,7 @@ def times(runs: tuple[Run, ...], low: float, high: float, step: float, given: bo
     return wanted
 
 
-def shot(run: Run, wanted: np.ndarray, label: str) -> Shot:
+def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
     """What is filmed of a run.
 
     Args:
@@ -177,12 +188,11 @@ def shot(run: Run, wanted: np.ndarray, label: str) -> Shot:
     part = data.isel(time=slice(int(inside[0]), int(inside[-1]) + 1))
     time, cycle = part["time"].values, part["cycle_of_sample"].values
     position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
-    miss = (part["x"] - part["x_desired"]).values[:, position]
     segment = part["segment_of_sample"].values - 1
     reduction = np.concatenate([[np.nan], data["torque_reduction"].values])
     best = np.array([motion.torque_reduction_optimal for motion in run.motions])
     dt = run.experiment.simulation.timestep
-    return Shot(
+    return FrameData(
         label=label,
         robot=run.experiment.robot,
         joints=tuple(str(name) for name in data["joint"].values),
@@ -194,12 +204,9 @@ def shot(run: Run, wanted: np.ndarray, label: str) -> Shot:
         first=np.searchsorted(cycle, cycle),
         period=np.round(data["period"].values[segment] / dt).astype(int),
         q=part["q"].values,
+        x=part["x"].values[:, position],
         x_desired=part["x_desired"].values[:, position],
-        error=np.sqrt((miss**2).sum(axis=1)),
-        stiffness=part["stiffness"].values,
-        equilibrium=part["equilibrium"].values,
-        spring=(part["offset"] - part["stiffness"] * (part["q"] - part["center"])).values,
-        tau=part["tau"].values,
+        **{name: part[name].values for name in ("stiffness", "offset", "center", "tau")},
         reduction=reduction[np.clip(cycle - 1, 0, len(reduction) - 1)],
         best=best[segment],
     )

@@ -1,4 +1,4 @@
-"""One run's part of the picture: the arm with its overlays, the line above and the strip below."""
+"""One run's part of the picture: the arm with its overlays, the line above and the plots below."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ import mujoco
 import numpy as np
 
 from .captions import HeadUp, Legend
-from .look import Look
+from .frame_data import FrameData
+from .options import RenderOptions
 from .overlays import Scale
-from .setting import Setting
-from .shot import Shot
-from .strip import Strip
+from .plot_picture import PlotPicture
+from .render_model import RenderModel
 
 
-class Scene:
-    """Draws the frames of a shot. It needs OpenGL: MUJOCO_GL is set when this is imported.
+class FrameRenderer:
+    """Draws the frames of a run. It needs OpenGL: MUJOCO_GL is set when this is imported.
 
     Args:
-        shot: what is filmed.
-        model: its arm, from `setting.prepare`.
+        shown: what is filmed.
+        model: its arm, from `render_model.prepare`.
         tool: name of the tool's site in it.
-        look: how.
+        options: how.
         scales: what full thickness, colour and length of the overlays stand for.
-        strip: the plots below, if there are any.
+        plots: the plots below, if there are any.
         width: of this part of the picture [pixels].
 
     Raises:
@@ -31,33 +31,33 @@ class Scene:
 
     def __init__(
         self,
-        shot: Shot,
+        shown: FrameData,
         model: mujoco.MjModel,
         tool: str,
-        look: Look,
+        options: RenderOptions,
         scales: Scale,
-        strip: Strip | None,
+        plots: PlotPicture | None,
         width: int,
     ) -> None:
-        self._shot, self._look, self._strip = shot, look, strip
-        height = look.size[1] - look.strip_height
-        self._setting = Setting(shot, look, model, tool)
-        self._camera = self._setting.camera(width / height)
-        self._overlays = self._setting.overlays(scales, self._setting.eye(self._camera))
-        self._head_up = HeadUp(shot, look, width) if look.head_up else None
-        self._legend = Legend(look, width)
-        self._renderer = mujoco.Renderer(self._setting.model, height, width)
+        self._shown, self._options, self._plots = shown, options, plots
+        height = options.size[1] - options.plots_height
+        self._render_model = RenderModel(shown, options, model, tool)
+        self._camera = self._render_model.camera(width / height)
+        self._overlays = self._render_model.overlays(scales, self._render_model.eye(self._camera))
+        self._head_up = HeadUp(shown, options, width) if options.head_up else None
+        self._legend = Legend(options, width)
+        self._renderer = mujoco.Renderer(self._render_model.model, height, width)
         self._pixels = np.empty((height, width, 3), np.uint8)
 
     def draw(self, picture: np.ndarray, frame: int) -> None:
         """Draw a frame into `picture` (height, width, 3), or 4 with alpha."""
-        setting, height = self._setting, len(self._pixels)
-        sample = int(self._shot.sample[frame])
-        setting.pose(self._shot.q[sample])
-        if self._look.follow:
-            self._camera.lookat[:] = setting.data.site_xpos[setting.site]
-        self._overlays.update(setting.data, sample, setting.eye(self._camera))
-        self._renderer.update_scene(setting.data, self._camera)
+        render_model, height = self._render_model, len(self._pixels)
+        sample = int(self._shown.sample[frame])
+        render_model.pose(self._shown.q[sample])
+        if self._options.follow:
+            self._camera.lookat[:] = render_model.data.site_xpos[render_model.site]
+        self._overlays.update(render_model.data, sample, render_model.eye(self._camera))
+        self._renderer.update_scene(render_model.data, self._camera)
         drawn = self._renderer.scene
         for geom in drawn.geoms[: drawn.ngeom]:
             if geom.type == mujoco.mjtGeom.mjGEOM_SKIN:
@@ -71,8 +71,8 @@ class Scene:
         self._legend.draw(scene)
         if self._head_up:
             self._head_up.draw(scene, sample)
-        if self._strip:
-            self._strip.draw(below, float(self._shot.time[sample]))
+        if self._plots:
+            self._plots.draw(below, float(self._shown.time[sample]))
 
     def close(self) -> None:
         """Give the graphics memory back."""

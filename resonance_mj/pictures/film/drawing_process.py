@@ -1,4 +1,4 @@
-"""The process that draws frames: `python -m resonance_mj.pictures.film.filming`, MUJOCO_GL set.
+"""The process that draws frames; it is started with MUJOCO_GL set, as a module of this name.
 
 It reads a pickled `Job` from its standard input, says in one line that it is ready or what is
 wrong, and writes its frames as raw pixels to its standard output.
@@ -11,14 +11,17 @@ import pickle
 import signal
 import sys
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import mujoco
 import numpy as np
 
 from ...errors import ResonanceError
-from .look import Look
-from .shot import Scale, Shot
-from .strip import Strip
+from .frame_data import FrameData, Scale
+from .options import RenderOptions
+from .plot_picture import PlotPicture
+
+if TYPE_CHECKING:
+    import mujoco
 
 READY, WRONG, BROKEN, NO_OPENGL = "ready", "wrong", "broken", "no OpenGL"
 
@@ -28,18 +31,18 @@ class Job:
     """What a process draws.
 
     Attributes:
-        shots: the runs side by side.
+        shown: the runs side by side.
         models: the arm of each, and the name of its tool's site.
-        strips: the plots below each; None for none.
-        look: how the video looks.
+        plots: the plots below each; None for none.
+        options: how the video looks.
         scales: what the overlays' full thickness, colour and length stand for.
         frames: numbers of the frames to draw, in order.
     """
 
-    shots: tuple[Shot, ...]
+    shown: tuple[FrameData, ...]
     models: tuple[tuple[mujoco.MjModel, str], ...]
-    strips: tuple[Strip | None, ...]
-    look: Look
+    plots: tuple[PlotPicture | None, ...]
+    options: RenderOptions
     scales: tuple[Scale, ...]
     frames: range
 
@@ -51,19 +54,21 @@ def main() -> None:
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     try:
+        import mujoco
+
         mujoco.GLContext(16, 16).free()
     except Exception as error:  # MuJoCo and PyOpenGL raise any where there is none
         _say(output, f"{NO_OPENGL}: {type(error).__name__}: {error}")
         return
     try:
-        from .scene import Scene
+        from .frames import FrameRenderer
 
         job: Job = pickle.load(sys.stdin.buffer)
-        columns = job.look.columns(len(job.shots))
-        scenes = [
-            Scene(shot, *model, job.look, scale, strip, right - left)
-            for shot, model, scale, strip, (left, right) in zip(
-                job.shots, job.models, job.scales, job.strips, columns, strict=True
+        columns = job.options.columns(len(job.shown))
+        renderers = [
+            FrameRenderer(one, *model, job.options, scale, plot, right - left)
+            for one, model, scale, plot, (left, right) in zip(
+                job.shown, job.models, job.scales, job.plots, columns, strict=True
             )
         ]
     except ResonanceError as error:
@@ -73,11 +78,13 @@ def main() -> None:
         _say(output, f"{BROKEN}: frames cannot be drawn: {type(error).__name__}: {error}")
         raise
     _say(output, READY)
-    picture = np.full((job.look.size[1], job.look.size[0], job.look.channels), 128, np.uint8)
+    picture = np.full(
+        (job.options.size[1], job.options.size[0], job.options.channels), 128, np.uint8
+    )
     try:
         for frame in job.frames:
-            for scene, (left, right) in zip(scenes, columns, strict=True):
-                scene.draw(picture[:, left:right], frame)
+            for renderer, (left, right) in zip(renderers, columns, strict=True):
+                renderer.draw(picture[:, left:right], frame)
             _write(output, picture.data.cast("B"))
     except BrokenPipeError:
         return
