@@ -416,3 +416,5 @@ def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded(
     begins = int(np.argmax(shown.cycle == 11))
     assert (shown.period[begins - 1], shown.period[begins]) == (100, 1000)
     assert shown.best[begins] == shown.best[-1]
+    assert np.isnan(shown.reduction[shown.cycle == 11]).all()
+    assert (shown.reduction[shown.cycle == 12] == run.data["torque_reduction"].values[10]).all()

@@ -42,7 +42,7 @@ class FrameData:
         center: q_c (N, n) [rad].
         tau: torque of the motors (N, n) [N m].
         reduction: torque² less than without springs in the last whole cycle, as a share; NaN
-            before there is one (N,).
+            before the motion has one (N,).
         best: the same with optimal springs (N,).
     """
 
@@ -190,6 +190,9 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
     position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
     segment = part["segment_of_sample"].values - 1
     reduction = np.concatenate([[np.nan], data["torque_reduction"].values])
+    # A cycle of the motion before says nothing beside this one's optimum.
+    of = np.concatenate([[0], data["segment_of_cycle"].values])
+    last = np.clip(cycle - 1, 0, len(reduction) - 1)
     best = np.array([motion.torque_reduction_optimal for motion in run.motions])
     dt = run.experiment.simulation.timestep
     return FrameData(
@@ -207,7 +210,7 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         x=part["x"].values[:, position],
         x_desired=part["x_desired"].values[:, position],
         **{name: part[name].values for name in ("stiffness", "offset", "center", "tau")},
-        reduction=reduction[np.clip(cycle - 1, 0, len(reduction) - 1)],
+        reduction=np.where(of[last] == segment + 1, reduction[last], np.nan),
         best=best[segment],
     )
 

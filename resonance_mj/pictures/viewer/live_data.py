@@ -10,6 +10,7 @@ import numpy as np
 
 from ...laws.memory import Memory
 from ...plan.plan import Plan
+from ...results.metrics import reduction
 from ...springs import spring as springs
 from ..film import frame_data
 from ..film.frame_data import FrameData, Scale
@@ -107,8 +108,10 @@ class LiveData:
         hoped = expected(self._one, self._one.schedule[cycle])
         self.scales = Scale(*map(_most, self.scales, hoped, frame_data.scale([self.shown])))
         before = self._last()
-        without = self._one.optima[self._one.schedule[cycle - 1]].torque_squared_without_springs
-        coming.reduction[:] = 1 - (before.tau**2).sum(axis=1).mean() / without
+        motion = self._one.schedule[cycle]
+        if motion == self._one.schedule[cycle - 1]:
+            without = self._one.optima[motion].torque_squared_without_springs
+            coming.reduction[:] = reduction((before.tau**2).sum(axis=1).mean(), without)
         self.shown = joined([before, coming])
         self._begin, self._filled = len(before.time), 0
 
