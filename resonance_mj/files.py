@@ -123,6 +123,23 @@ def could_be_written(folder: str | os.PathLike[str]) -> Path:
     return folder
 
 
+def could_be_replaced(path: Path) -> Path:
+    """See that a path is of a file that can be written anew, or of none yet: before long work.
+
+    Raises:
+        OutputError: it is not; a device or a pipe is never replaced.
+    """
+    could_be_written(path.parent)
+    try:
+        folder, other = path.is_dir(), path.exists() and not path.is_file()
+    except (OSError, ValueError) as error:
+        raise _unwritable(path, error) from None
+    if folder or other:
+        what = "a folder; give the name of a file in it" if folder else "no regular file"
+        raise OutputError(f"{path}: is {what}")
+    return path
+
+
 def _nearest(folder: Path) -> Path:
     """The folder, or the nearest of those that hold it which exists."""
     path = folder.absolute()
@@ -149,6 +166,7 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises:
         OutputError: the file cannot be written.
     """
+    could_be_replaced(path)
     try:
         with _staging(path.parent) as staging:
             yield staging / path.name

@@ -5,6 +5,8 @@ import os
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj import files
+from resonance_mj.errors import OutputError
 from resonance_mj.files import LARGEST, read_text
 
 
@@ -45,3 +47,14 @@ def test_a_name_that_no_file_can_have_is_refused_in_one_short_line(name):
         read_text(name)
     assert str(caught.value).isprintable()
     assert len(str(caught.value)) < 300
+
+
+def test_a_pipe_or_a_device_is_never_replaced_by_a_file(tmp_path):
+    path = tmp_path / "pipe.html"
+    pipe(path)
+    with pytest.raises(OutputError, match="is no regular file"):
+        files.could_be_replaced(path)
+    with pytest.raises(OutputError, match="is no regular file"), files.replacing(path):
+        pytest.fail("nothing is to be written")
+    assert path.is_fifo()
+    assert list(tmp_path.iterdir()) == [path]

@@ -8,13 +8,18 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import matplotlib
 import pytest
+from matplotlib.figure import Figure
+from PIL import Image
 
 import resonance_mj as rmj
 from resonance_mj import cli, library
 from resonance_mj.errors import PictureError
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.pictures.figures import catalogue
+from resonance_mj.pictures.figures import catalogue, saving
+from resonance_mj.pictures.film import plots
+from resonance_mj.pictures.film.options import RenderOptions
 
 PENDULUM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" damping="0.02"/>
 <geom type="sphere" pos="0 0 -0.4" size="0.03" mass="1.2" contype="0" conaffinity="0"/>
@@ -177,6 +182,13 @@ def test_a_joint_is_called_by_its_name_whatever_it_means_elsewhere(
     assert "<b>" not in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_the_plots_of_a_film_are_drawn_of_any_run_and_leave_the_style_as_it_was(simulated, name):
+    before = dict(matplotlib.rcParams)
+    assert plots.draw(simulated(name), RenderOptions(size=(640, 480)), 640).before.any()
+    assert dict(matplotlib.rcParams) == before
+
+
 def test_a_run_that_diverged_in_its_first_step_has_no_figure_and_a_report_that_says_so(
     simulated, reported, folder
 ):
@@ -217,6 +229,13 @@ def test_a_page_holds_no_folder_of_its_sender(simulated, folder, tmp_path, monke
             assert place not in part
     assert all("long-names.xml" in part for part in (text, attached[0]))
     assert "3 N m/rad" in text
+
+
+def test_a_figure_that_is_taller_than_a_png_can_be_has_fewer_pixels_per_inch(tmp_path):
+    (png,) = saving.save(Figure(figsize=(0.2, 120)), tmp_path, "tall", ["png"], dpi=600)
+    with Image.open(png) as picture:
+        assert picture.height == 65_000
+        assert picture.info["dpi"][1] == pytest.approx(65_000 / 120, rel=1e-3)
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])

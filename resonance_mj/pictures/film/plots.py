@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -12,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from ...results.run import Run
+from ..figures.style import styled
 from ..palette import MEASURED, MUTED, OPTIMAL
 from .options import RenderOptions
 from .plot_picture import PlotPicture
@@ -33,6 +33,7 @@ def draw(run: Run, options: RenderOptions, width: int) -> PlotPicture:
     size = max(6.0, min(height / 18, width / 68, 15.0))
     style: Any = {
         "font.size": size,
+        "text.parse_math": False,
         "axes.titlesize": size,
         "axes.titlelocation": "left",
         "axes.titlepad": 0.35 * size,
@@ -50,7 +51,7 @@ def draw(run: Run, options: RenderOptions, width: int) -> PlotPicture:
         "xtick.major.size": 3,
         "ytick.major.size": 3,
     }
-    with matplotlib.rc_context(style):
+    with styled(style):
         before, panels = _plots(run, options, (width, height), size, 1.0)
         after, _ = _plots(run, options, (width, height), size, 0.22)
     end = float(run.data["end"].values[-1])

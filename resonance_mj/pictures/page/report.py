@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import OutputError, PictureError, RobotError
-from ...files import could_be_written, replacing, writable
+from ...files import could_be_replaced, replacing, writable
 from ...results.run import Run
 from ...text import told_apart
 from . import film as films
@@ -83,11 +83,7 @@ def _destination(path: str | os.PathLike[str] | None, folders: list[Path | None]
         if folders[0] is None:
             raise OutputError("a run that was not read from a folder: give the report a path")
         path = folders[0] / ("report.html" if len(folders) == 1 else "comparison.html")
-    path = Path(path)
-    could_be_written(path.parent)
-    if path.is_dir():
-        raise OutputError(f"{path}: is a folder; give the name of a file, as in {path}/report.html")
-    return path
+    return could_be_replaced(Path(path))
 
 
 def _page(
