@@ -166,10 +166,11 @@ def test_a_list_of_one_number_is_typed_without_brackets_and_a_name_is_an_option(
         </mujoco>"""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.xml").write_text(pendulum)
-    options = "--name 2 --robot.home 0.3 --task.coordinates x --motion.0.center -0.1 --motion.0.shape line"
-    assert (
-        cli.main(["run", "--robot", "arm.xml", *options.split(), "--motion.0.duration", "3"]) == 0
+    options = (
+        "run --robot arm.xml --name 2 --robot.home 0.3 --task.coordinates x --motion.0.center -0.1 "
+        "--motion.0.shape line --motion.0.duration 3"
     )
+    assert cli.main(options.split()) == 0
     (folder,) = (tmp_path / "runs").iterdir()
     run = rmj.Run.load(folder)
     assert run.experiment.name == folder.name == "2"
@@ -180,8 +181,8 @@ def test_a_list_of_one_number_is_typed_without_brackets_and_a_name_is_an_option(
 def test_a_command_in_a_folder_that_is_gone_says_so(tmp_path):
     gone = tmp_path / "gone"
     gone.mkdir()
-    code = "import os, sys, resonance_mj.cli as c; os.rmdir(os.getcwd()); sys.exit(c.main(sys.argv[1:]))"
-    command = [sys.executable, "-c", code, "run", "paper"]
+    code = "import os, resonance_mj.cli as c; os.rmdir(os.getcwd()); exit(c.main(['run', 'paper']))"
+    command = [sys.executable, "-c", code]
     process = subprocess.run(command, cwd=gone, capture_output=True, text=True)
     assert process.returncode == 2
     (line,) = process.stderr.splitlines()

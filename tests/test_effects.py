@@ -75,6 +75,13 @@ def test_limits_that_no_joint_has_are_said_to_be_off_in_vain():
     assert not without_effect(given, limited=True)
 
 
+def test_where_springs_must_be_stiff_their_first_equilibrium_counts():
+    plain = rmj.load("paper").replace({"law": {}, "springs": {}, **SHORT})
+    given = plain.replace({"springs.initial_equilibrium": [4.0, -2.0]})
+    assert [line[:27] for line in without_effect(given)] == ["springs.initial_equilibrium"]
+    assert not without_effect(given.replace({"springs.stiffness": [5.0, 9.0]}))
+
+
 def test_what_a_law_of_ones_own_may_read_is_not_said_to_have_no_effect(tmp_path):
     (tmp_path / "own.py").write_text(
         "def learn(u, stiffness, offset, center):\n    return u, stiffness, offset, center\n"

@@ -79,7 +79,9 @@ def _reasons(
     if law.kind in ("fixed", "computed-torque"):
         for name in ("initial_stiffness", "initial_equilibrium"):
             yield f"springs.{name}", f"{kind} is given the optimal springs"
-    elif not np.any(springs.initial_stiffness):
+    elif (
+        not np.any(springs.initial_stiffness) and springs.stiffness[0] <= 0 <= springs.stiffness[1]
+    ):
         yield "springs.initial_equilibrium", "springs.initial_stiffness is 0"
 
 
