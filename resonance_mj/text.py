@@ -20,6 +20,9 @@ def shown(value: Any, longest: int = 60) -> str:
         value = value.tolist()
     if isinstance(value, StrEnum):
         value = str(value)
+    if isinstance(value, list | tuple | Mapping) and longest < 6:
+        return "[…]"
+    longest = max(longest, 12)
     if isinstance(value, list | tuple):
         items: list[str] = []
         for item in value:

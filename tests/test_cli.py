@@ -126,6 +126,25 @@ def test_a_run_that_diverges_exits_1_says_why_and_keeps_what_was_recorded(tmp_pa
         (["list", "--law.beta", "3"], ["--law.beta", "no keys"]),
         (["walk"], ["'walk'", "run"]),
         (["run"], ["NAME or PATH", "--robot"]),
+        (["run", "paper", "--name"], ["--name", "value must follow"]),
+        (["run", "paper", "--name", "a b"], ["name = 'a b'"]),
+        (["run", "paper", "--name", "a" * 300], ["name = 'aaa", "at most 100"]),
+        (["run", "paper", "--out", "a" * 300], ["aaa", "cannot be written"]),
+        (["run", "a" * 300 + ".toml"], ["aaa", "File name too long", "paper"]),
+        (["run", "paper", "--robot", "a" * 300 + ".xml"], ["aaa", "two_link.xml"]),
+        (["run", "paper", "--law.kind", "a" * 300 + ".py"], ["aaa"]),
+        (["plot", "a" * 300], ["aaa"]),
+        (["run", "paper", "--out", "a\0b"], ["NUL byte"]),
+        (["run", "\udcff.toml"], ["udcff.toml", "does not exist"]),
+        (["run", "/dev/zero"], ["/dev/zero", "device"]),
+        (["run", "."], ["is a folder", "paper"]),
+        (["run", "paper", "--law.beta", "9" * 5000], ["law.beta = '999", "number"]),
+        (["run", "paper", "--law.beta", "[" * 5000], ["law.beta = '[[[", "number"]),
+        (["run", "paper", "--law.beta", "1\nx = 2"], ["law.beta = '1\\nx = 2'", "number"]),
+        (["run", "paper", "--" + "a." * 20_000 + "b", "1"], ["nested too deeply"]),
+        (["run", "paper", "--simulation.timestep", "1e-9"], ["1e+09 time steps", "8 to 100000"]),
+        (["run", "paper", "--motion.0.duration", "1e9"], ["duration 1e+09 s", "up to 1000000"]),
+        (["x" * 100_000], ["COMMAND", "run"]),
     ],
 )  # fmt: skip
 def test_bad_input_exits_2_with_one_line_and_leaves_nothing(
@@ -137,6 +156,38 @@ def test_bad_input_exits_2_with_one_line_and_leaves_nothing(
     (line,) = capsys.readouterr().err.splitlines()
     assert [word for word in words if word not in line] == []
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+def test_a_list_of_one_number_is_typed_without_brackets_and_a_name_is_an_option(
+    tmp_path, monkeypatch, capsys
+):
+    pendulum = """<mujoco><worldbody><body><joint axis="0 1 0" damping="0.1"/><geom type="capsule"
+        fromto="0 0 0 0 0 -0.4" size="0.02"/><site name="tool" pos="0 0 -0.4"/></body></worldbody>
+        </mujoco>"""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(pendulum)
+    options = (
+        "run --robot arm.xml --name 2 --robot.home 0.3 --task.coordinates x --motion.0.center -0.1 "
+        "--motion.0.shape line --motion.0.duration 3"
+    )
+    assert cli.main(options.split()) == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    run = rmj.Run.load(folder)
+    assert run.experiment.name == folder.name == "2"
+    assert run.experiment.robot.home == (0.3,)
+    assert run.experiment.motion[0].center == (-0.1,)
+
+
+def test_a_command_in_a_folder_that_is_gone_says_so(tmp_path):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    code = "import os, resonance_mj.cli as c; os.rmdir(os.getcwd()); exit(c.main(['run', 'paper']))"
+    command = [sys.executable, "-c", code]
+    process = subprocess.run(command, cwd=gone, capture_output=True, text=True)
+    assert process.returncode == 2
+    (line,) = process.stderr.splitlines()
+    assert "No such file or directory" in line
+    assert "the working folder" in line or "runs/paper" in line
 
 
 def test_a_process_with_bad_input_says_one_line_and_exits_2(tmp_path):

@@ -20,11 +20,26 @@ GIVEN = {
     "q_c": [4.1, -1.7],
     "q_s": [4.1, -1.7],
     "jacobian": "transpose",
+    "alpha": 12.0,
+    "alpha_0": 12.0,
 }
 
 
-@pytest.mark.parametrize("gains", [{}, {"gamma_k": 10.0, "gamma_qe": 10.0}])
-@pytest.mark.parametrize("kind", ["feedback", "learning", "fixed", "joint-space", "paper"])
+ADAPTING = {"gamma_k": 10.0, "gamma_qe": 10.0}
+BY_HAND = {"k_v": 200.0, "k_p": 2000.0}
+KINDS = ["feedback", "learning", "fixed", "joint-space", "paper"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "gains"),
+    [
+        *((kind, gains) for kind in KINDS for gains in ({}, ADAPTING)),
+        ("transfer", ADAPTING),
+        ("feedback", BY_HAND),
+        ("computed-torque", BY_HAND),
+        ("paper", BY_HAND | {"beta": 1.0, "gamma_qe": 10.0}),
+    ],
+)
 def test_what_is_said_to_have_no_effect_has_none_and_the_rest_has(kind, gains):
     """Each key in turn, by whole runs to the last bit."""
     paper = rmj.load("paper")
@@ -35,12 +50,44 @@ def test_what_is_said_to_have_no_effect_has_none_and_the_rest_has(kind, gains):
     velocity = "difference" if kind in ("paper", "joint-space") else "jacobian"
     for key, value in (GIVEN | {"velocity": velocity}).items():
         changed = base.replace({f"law.{key}": value})
-        said = any(line.startswith(f"law.{key} =") for line in without_effect(changed))
+        said = any(line.startswith(f"law.{key} =") for line in without_effect(changed, square=True))
         data = rmj.simulate(changed).data
         same = all(np.array_equal(data[name], plain[name]) for name in ("q", "tau", "stiffness"))
         if said != same:
             wrong.append(key)
     assert wrong == []
+
+
+def test_where_the_task_leaves_joints_free_a_law_in_joint_space_does_not_use_the_tools_gains():
+    arm = rmj.load("planar-three-link").replace({"law": {"kind": "joint-space"}, "expect": {}})
+    arm = arm.replace({"motion.0.duration": 2.0})
+    given = arm.replace({"law.k_v": 300.0, "law.k_p": 3000.0})
+    said, plain = rmj.simulate(given), rmj.simulate(arm)
+    assert np.array_equal(said.data["tau"], plain.data["tau"])
+    assert [line[:7] for line in said.notes if "no effect" in line] == ["law.k_v", "law.k_p"]
+
+
+def test_limits_that_no_joint_has_are_said_to_be_off_in_vain():
+    given = rmj.load("paper").replace({"robot.limits": False, **SHORT})
+    assert any(
+        line.startswith("robot.limits = False has no effect") for line in rmj.simulate(given).notes
+    )
+    assert not without_effect(given, limited=True)
+
+
+def test_where_springs_must_be_stiff_their_first_equilibrium_counts():
+    plain = rmj.load("paper").replace({"law": {}, "springs": {}, **SHORT})
+    given = plain.replace({"springs.initial_equilibrium": [4.0, -2.0]})
+    assert [line[:27] for line in without_effect(given)] == ["springs.initial_equilibrium"]
+    assert not without_effect(given.replace({"springs.stiffness": [5.0, 9.0]}))
+
+
+def test_what_a_law_of_ones_own_may_read_is_not_said_to_have_no_effect(tmp_path):
+    (tmp_path / "own.py").write_text(
+        "def learn(u, stiffness, offset, center):\n    return u, stiffness, offset, center\n"
+    )
+    law = {"kind": str(tmp_path / "own.py"), "parameters": [1.0], "q_c": [1.0, 2.0]}
+    assert without_effect(rmj.load("paper").replace({"law": law})) == []
 
 
 def test_the_runs_that_come_with_the_program_have_no_such_key():
@@ -58,6 +105,6 @@ def test_a_run_has_it_among_its_notes():
     changed = rmj.load("paper").replace({"law": {"kind": "transfer", "q_c": [1.0, 2.0]}, **SHORT})
     (line,) = (line for line in rmj.simulate(changed).notes if "no effect" in line)
     assert line == (
-        "law.q_c = [1.0, 2.0] has no effect: law.kind = 'transfer' does not adapt the stiffness by "
-        "(6) here"
+        "law.q_c = [1.0, 2.0] has no effect: law.kind = 'transfer' does not adapt the springs by "
+        "(6), (7) here"
     )

@@ -1,7 +1,10 @@
 """Experiment files: what is read is what was written, and what is wrong is said in one line."""
 
 import math
+import time
+from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,6 +23,14 @@ shape = "fourier"
 offset = [-0.3, 0.0]
 sin = [[0.05], [-0.2]]
 """
+
+
+def deep(levels):
+    """Brackets in brackets."""
+    inside = 1.0
+    for _ in range(levels):
+        inside = [inside]
+    return inside
 
 
 def written(tmp_path, text):
@@ -78,6 +89,59 @@ def test_replace_changes_one_value_and_leaves_the_original_alone():
     assert changed.motion[0] == paper.motion[0]
 
 
+def test_replace_keeps_what_was_given_and_nothing_else(tmp_path):
+    experiment = rmj.load(written(tmp_path, SHORT)).replace({"law.eta": 0.4}).replace({"name": "x"})
+    assert experiment.law.model_fields_set == {"eta"}
+    assert experiment.motion[0].model_fields_set == {"duration", "shape", "offset", "sin"}
+    assert experiment.springs.model_fields_set == set()
+
+
+def test_numbers_and_arrays_of_numpy_and_paths_are_taken_as_plain_ones(tmp_path):
+    plain = {
+        "law.beta": 2.0,
+        "law.lead": 1,
+        "law.k_v": [200.0, 300.0],
+        "motion.0.sin": [[0.05], [0.1]],
+        "robot.contacts": False,
+        "robot.mjcf": "arm.xml",
+    }
+    arrays = {
+        "law.beta": np.float64(2),
+        "law.lead": np.int32(1),
+        "law.k_v": [np.float32(200), np.int64(300)],
+        "motion.0.sin": np.array([[0.05], [0.1]]),
+        "robot.contacts": np.bool_(False),
+        "robot.mjcf": Path("arm.xml"),
+    }
+    paper = rmj.load("paper")
+    assert paper.replace(arrays) == paper.replace(plain)
+    path = written(tmp_path, paper.replace(arrays).to_toml())
+    assert rmj.load(path) == paper.replace(plain)
+
+
+@pytest.mark.parametrize("key", ["law.parameters", "robot.home", "motion.0.offset"])
+def test_a_list_of_one_number_needs_no_brackets(key):
+    plain = rmj.load("paper").replace({"motion": [{"shape": "fourier", "offset": [0]}]})
+    assert plain.replace({key: 3}) == plain.replace({key: [3.0]})
+
+
+def test_twenty_thousand_numbers_are_written_and_read_back_in_a_second(tmp_path):
+    numbers = np.random.default_rng(0).normal(size=20_000)
+    experiment = rmj.load("paper").replace({"law.parameters": numbers})
+    began = time.perf_counter()
+    path = written(tmp_path, experiment.to_toml())
+    assert rmj.load(path) == experiment
+    assert time.perf_counter() - began < 1.0
+
+
+@given(name=st.text(max_size=20).filter(lambda text: "\0" not in text))
+def test_any_name_survives_the_way_to_toml_and_back(name, tmp_path_factory):
+    experiment = rmj.load("paper").replace({"robot.tool": name, "robot.mjcf": name + ".xml"})
+    path = tmp_path_factory.mktemp("toml") / "x.toml"
+    path.write_text(experiment.to_toml(), encoding="utf-8", newline="")
+    assert rmj.load(path) == experiment
+
+
 def test_every_key_is_described_with_its_meaning():
     rows = describe()
     assert {key for key, _, _ in rows} >= {"law.beta", "simulation.timestep", "robot.mjcf"}
@@ -107,19 +171,52 @@ def test_every_key_is_described_with_its_meaning():
         ({"springs.stiffness": [3, 1]}, ["springs.stiffness = [3, 1]", "lower < upper"]),
         ({"springs.equilibrium": [-1, 1]}, ["equilibrium = [-1.0, 1.0]", "not convex"]),
         ({"name": "../up"}, ["name = '../up'"]),
+        ({"name": "a" * 300}, ["name = 'aaa", "at most 100"]),
+        ({"law.beta": 1e300}, ["law.beta = 1e+300", "less than or equal to 1000000000"]),
+        ({"law.q_c": 1e300}, ["law.q_c = 1e+300", "less than or equal to 1000000"]),
+        ({"law.beta": "3"}, ["law.beta = '3'", "number"]),
+        ({"law.beta": True}, ["law.beta = True", "number"]),
+        ({"law.lead": 1 << 100_000}, ["law.lead = an integer of 100001 bits", "100000"]),
+        ({"motion.0.payload": 1e308}, ["motion.0.payload", "less than or equal to 1000000"]),
+        ({"simulation.gravity": [0, 0, -1e308]}, ["gravity.2 = -1e+308", "equal to -1000000"]),
+        ({"springs.stiffness": [0, 1e300]}, ["stiffness.1 = 1e+300", "-1e9 to 1e9", "inf"]),
+        ({"springs.stiffness": [math.nan, 1]}, ["springs.stiffness.0 = nan", "-1e9 to 1e9"]),
+        ({"springs.stiffness": [1, 5], "springs.initial_stiffness": 7},
+         ["initial_stiffness = 7.0", "stiffness = [1.0, 5.0]"]),
+        ({"simulation.timestep": 1e-9}, ["motion.0.period", "1e+09 time steps", "8 to 100000"]),
+        ({"simulation.timestep": 5e-324}, ["motion.0.period", "inf time steps", "8 to 100000"]),
+        ({"motion.0.period": 0.002}, ["motion.0.period", "2 time steps", "8 to 100000"]),
+        ({"motion.0.duration": 1e9}, ["motion.0", "duration 1e+09 s", "up to 1000000"]),
+        ({"motion.0.duration": 1e6}, ["motion.0.duration", "1000040 cycles", "1000000 cycles"]),
+        ({"motion.0.period": 1e-300}, ["motion.0", "periods of 1e-300 s", "up to 1000000"]),
+        ({"law.k_v": ["x" * 700_000]}, ["law.k_v.0 = 'xxx", "number"]),
+        ({"x" * 700_000: 1}, ["unknown key", "robot"]),
+        ({"a." * 20_000 + "b": 1}, ["nested too deeply"]),
+        ({"law.beta" + ".a" * 20_000: 1}, ["law.beta.a", "inside a value"]),
+        ({"law.k_v": deep(200)}, ["law.k_v", "number"]),
+        ({"law.k_v": deep(100_000)}, ["nested too deeply"]),
+        ({"robot.mjcf": "a\0b"}, ["robot.mjcf = 'a\\x00b'"]),
+        ({"robot.mjcf": "\udcff"}, ["robot.mjcf = '\\udcff'", "unicode"]),
+        ({3: 4}, ["3: unknown key", "robot"]),
     ],
 )  # fmt: skip
 def test_a_bad_value_is_refused_in_one_line_that_names_key_value_and_remedy(changes, words):
     with pytest.raises(rmj.ResonanceError) as caught:
         rmj.load("paper").replace(changes)
     message = str(caught.value)
-    assert "\n" not in message
+    assert message.isprintable()
+    assert len(message) < 500
     assert [word for word in words if word not in message] == []
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (f"x = {'[' * 500}{']' * 500}", ["nested too deeply", "keys"]),
+        ("a." * 20_000 + "b = 1", ["nested too deeply", "keys"]),
+        (f"x = {'9' * 5000}", ["not valid TOML"]),
+        ("#" * 4_000_001, ["longer than 4 MB", "paper"]),
+        ("x = '\0'", ["not valid TOML"]),
         ("x = [", ["mine.toml", "not valid TOML"]),
         (SHORT.replace("duration", "duraton"), ["motion.0.duraton", "'duration'"]),
         ("[[motion]]\nduration = 2\n", ["robot", "missing"]),
@@ -134,6 +231,20 @@ def test_a_bad_file_is_refused_in_one_line_that_names_it(tmp_path, text, words):
     assert message.startswith(str(path))
     assert "\n" not in message
     assert [word for word in words if word not in message] == []
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-32", "latin-1"])
+def test_a_file_in_another_encoding_is_refused_with_the_one_that_is_needed(tmp_path, encoding):
+    path = tmp_path / "mine.toml"
+    path.write_text("# größe\n" + SHORT, encoding=encoding)
+    with pytest.raises(rmj.ResonanceError, match=r"mine.toml: byte \d+ is not UTF-8"):
+        rmj.load(path)
+
+
+def test_a_file_of_windows_is_read(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(SHORT, encoding="utf-8-sig", newline="\r\n")
+    assert rmj.load(path) == rmj.load(written(tmp_path, SHORT))
 
 
 def test_an_unknown_name_lists_those_that_exist():

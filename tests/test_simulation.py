@@ -578,3 +578,24 @@ def test_reading_the_error_ahead_keeps_a_large_learning_gain_from_diverging():
     assert printed["torque_squared"].values[18:].min() > without
     assert ahead["torque_squared"].values[10:].max() < without
     assert ahead.sizes["cycle"] == 30
+
+
+BOUNDED = {"law": {"kind": "transfer"}, "springs": {"stiffness": [2.0, 50.0]}}
+
+
+def test_springs_begin_within_their_bounds_where_nothing_is_said_of_them():
+    data = rmj.simulate(short(BOUNDED, cycles=2)).data.isel(time=0)
+    assert (data["stiffness"] == 2.0).all()
+    away = (data["equilibrium"] - data["center"]).values
+    assert (np.abs(away) <= np.pi + 1e-12).all()
+
+
+def test_springs_that_are_told_to_begin_outside_their_bounds_are_refused_with_them():
+    center = rmj.simulate(short(BOUNDED, cycles=2)).data["center"].isel(time=0).values
+    inside = short({**BOUNDED, "springs.initial_equilibrium": (center + 3.1).tolist()}, cycles=2)
+    start = rmj.simulate(inside).data["equilibrium"].isel(time=0).values
+    np.testing.assert_allclose(start, center + 3.1)
+    outside = inside.replace({"springs.initial_equilibrium": (center + 3.2).tolist()})
+    bounds = f"{center[0] - np.pi:.4g} to {center[0] + np.pi:.4g}"
+    with pytest.raises(rmj.ResonanceError, match=rf"initial_equilibrium = .* joint1, .* {bounds}"):
+        rmj.simulate(outside)

@@ -1,4 +1,4 @@
-"""Keys that were given and have no effect on this law: a run does not pass over them in silence."""
+"""Keys that were given and have no effect: a run does not pass over them in silence."""
 
 from __future__ import annotations
 
@@ -11,10 +11,18 @@ from .experiment import Experiment
 from .law_section import KINDS
 
 
-def without_effect(experiment: Experiment) -> list[str]:
-    """Keys with a value of their own that changes nothing, a line each, with why."""
+def without_effect(
+    experiment: Experiment, *, square: bool | None = None, limited: bool | None = None
+) -> list[str]:
+    """Keys with a value of their own that changes nothing, a line each, with why.
+
+    Args:
+        experiment: as it was given.
+        square: whether the task takes all joints of the arm; None if that is not known.
+        limited: whether a joint of the arm has a range; None if that is not known.
+    """
     said = []
-    for key, reason in _reasons(experiment):
+    for key, reason in _reasons(experiment, square, limited):
         section, name = key.split(".")
         given = getattr(experiment, section)
         value, default = getattr(given, name), type(given).model_fields[name].default
@@ -24,34 +32,58 @@ def without_effect(experiment: Experiment) -> list[str]:
     return said
 
 
-def _reasons(experiment: Experiment) -> Iterator[tuple[str, str]]:
+def _reasons(
+    experiment: Experiment, square: bool | None, limited: bool | None
+) -> Iterator[tuple[str, str]]:
     """The keys that have none, whether given or not, and why."""
     law, springs = experiment.law, experiment.springs
-    kind = f"law.kind = {law.kind!r}"
-    adapts = law.kind in ("paper", "transfer") or law.kind not in KINDS
-    if law.kind in KINDS:
+    kind, own = f"law.kind = {law.kind!r}", law.kind not in KINDS
+    adapts = own or law.kind in ("paper", "transfer")
+    learns = law.kind not in ("feedback", "computed-torque")
+    by_hand = law.k_v is not None or law.k_p is not None
+    if limited is False:
+        yield "robot.limits", "no joint of the arm has a range"
+    if not own:
         yield "law.parameters", "it is for a law of your own"
-    if law.kind in ("feedback", "computed-torque"):
+    if not learns:
         for name in ("beta", "eta", "lead", "harmonics"):
             yield f"law.{name}", f"{kind} learns nothing"
     elif law.beta is not None:
         yield "law.eta", "law.beta is given in its place"
-        if law.k_v is not None or law.k_p is not None:
-            yield "law.omega", "the feedback is given by law.k_v and law.k_p"
+    if law.follows_joints:
+        for name in ("jacobian", "velocity"):
+            yield f"law.{name}", f"{kind} acts on the errors of the joint angles"
+        if square is False:
+            for name in ("k_v", "k_p"):
+                yield f"law.{name}", f"the task leaves joints free, which {kind} feeds back too"
+        by_hand = by_hand and bool(square)
+    if by_hand and (not learns or law.beta is not None):
+        yield "law.omega", "the feedback is given by law.k_v and law.k_p"
+    unused = by_hand and not learns
+    if unused:
+        for name in ("alpha", "jacobian"):
+            yield f"law.{name}", f"{kind} with law.k_v or law.k_p does not use y"
+    if square and (unused or law.follows_joints or (law.jacobian or law.kind) in _WITHOUT_POSTURE):
+        yield "law.alpha_0", "the task leaves no joint free"
     if not adapts:
         yield "law.gamma_qe", f"{kind} does not adapt the springs' offset"
         if law.kind != "joint-space":
             yield "law.gamma_k", f"{kind} does not adapt the springs' stiffness"
     if not law.printed:
         yield "law.q_s", f"{kind} learns without (9), (10)"
-    centred = np.any(law.gamma_k) and (adapts or law.printed)
-    if not centred and not (law.kind == "joint-space" and np.any(springs.initial_stiffness)):
-        yield "law.q_c", f"{kind} does not adapt the stiffness by (6) here"
-    if law.follows_joints:
-        for name in ("jacobian", "velocity"):
-            yield f"law.{name}", f"{kind} acts on the errors of the joint angles"
+    centred = np.any(law.gamma_k) or (adapts and np.any(law.gamma_qe))
+    if law.kind == "joint-space":
+        centred = centred or np.any(springs.initial_stiffness)
+    if not own and not (centred and (adapts or law.printed)):
+        yield "law.q_c", f"{kind} does not adapt the springs by (6), (7) here"
     if law.kind in ("fixed", "computed-torque"):
         for name in ("initial_stiffness", "initial_equilibrium"):
             yield f"springs.{name}", f"{kind} is given the optimal springs"
-    elif not np.any(springs.initial_stiffness):
+    elif (
+        not np.any(springs.initial_stiffness) and springs.stiffness[0] <= 0 <= springs.stiffness[1]
+    ):
         yield "springs.initial_equilibrium", "springs.initial_stiffness is 0"
+
+
+_WITHOUT_POSTURE = ("inverse", "transpose", "paper")
+"""Forms of (8), and a law with one of them, that do not know the posture."""

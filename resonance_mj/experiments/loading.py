@@ -74,7 +74,7 @@ def find(name: str | os.PathLike[str]) -> Path:
     if isinstance(name, str) and name in built_in:
         return built_in[name]
     path = Path(name)
-    if path.suffix == ".toml" or len(path.parts) > 1 or is_file(path):
+    if path.suffix == ".toml" or len(path.parts) != 1 or is_file(path):
         return path
     raise ExperimentError(
         f"no experiment is called {shown(str(name))}{nearest(str(name), built_in)}; "

@@ -84,7 +84,7 @@ class Springs(Section):
     initial_stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
     """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0
-    """q_e(0) [rad], one for all joints or one each."""
+    """q_e(0) [rad], one for all joints or one each; 0 for the nearest to it within the bounds."""
 
     @field_validator("stiffness", "equilibrium")
     @classmethod

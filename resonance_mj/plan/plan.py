@@ -104,7 +104,11 @@ class Plan:
         """What was found, changed or is doubtful, a line each."""
         with heard() as warned:
             before = notes.before(self.loaded, self.joints, self.optima)
-            given = without_effect(self.experiment)
+            given = without_effect(
+                self.experiment,
+                square=self.robot.m == self.robot.n,
+                limited=bool(self.robot.model.jnt_limited[self.robot.joint_id].any()),
+            )
             found = (*self.robot.notes, *given, *before, *self.unstable)
         return tuple(dict.fromkeys((*found, *warned)))
 

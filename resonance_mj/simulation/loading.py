@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..errors import ExperimentError
 from ..laws.memory import Memory
 from ..plan.plan import Plan
+from ..text import shown
 
 
 def load_law(memory: Memory, index: int, plan: Plan) -> None:
@@ -29,15 +31,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["low"][index], memory["high"][index] = bounds.equilibrium
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
-    k = np.asarray(bounds.initial_stiffness, float)
-    if plan.law.adapts:
-        # Where springs begin with none, they begin with the softest that there can be.
-        k = np.where(k == 0.0, np.clip(k, *bounds.stiffness), k)
-    memory["stiffness"][index] = k
-    # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
-    stays = plan.law.adapts == ("gamma_k",)
-    away = 0.0 if stays else np.asarray(bounds.initial_equilibrium) - plan.q_c
-    memory["offset"][index] = k * away
+    memory["stiffness"][index], memory["offset"][index] = _first_springs(plan)
     # A joint that turns by a radian in a time step is beyond any sampled control.
     dt = experiment.simulation.timestep
     memory["before"][index] = robot.position
@@ -56,6 +50,34 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("speed_limit", 1.0 / dt),
     ):
         memory.scalar(name)[index] = value
+
+
+def _first_springs(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and offset torque at the start; 0 stands for what is nearest to it and allowed.
+
+    Raises:
+        ExperimentError: they are given outside their bounds.
+    """
+    bounds, adapts = plan.experiment.springs, plan.law.adapts
+    k = np.asarray(bounds.initial_stiffness, float)
+    if adapts:
+        k = np.where(k == 0.0, np.clip(k, *bounds.stiffness), k)
+    # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
+    if adapts == ("gamma_k",):
+        return k, 0.0 * k
+    angle = np.asarray(bounds.initial_equilibrium, float)
+    away = angle - plan.q_c
+    inside = np.clip(away, *bounds.equilibrium)
+    outside = (k != 0.0) & (angle != 0.0) & (away != inside)
+    if outside.any() and "springs" not in plan.law.told:
+        j = int(outside.argmax())
+        low, high = (end + plan.q_c[j] for end in bounds.equilibrium)
+        raise ExperimentError(
+            f"experiment {plan.experiment.name!r}: springs.initial_equilibrium = "
+            f"{shown(bounds.initial_equilibrium)} is outside the bounds of {plan.robot.joints[j]}, "
+            f"springs.equilibrium about law.q_c: {low:.4g} to {high:.4g}"
+        )
+    return k, k * np.where(angle == 0.0, inside, away)
 
 
 def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
