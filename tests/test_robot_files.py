@@ -22,7 +22,8 @@ ARM = """<mujoco>{head}<compiler angle="radian"/><option {option}/><worldbody>{s
 <geom name="link" type="capsule" fromto="0 0 0 .3 0 0" size=".02" {geom}/>
 <body name="lower" pos=".3 0 0"><joint name="elbow" axis="0 1 0" range="-2 2" limited="true"/>
 <geom type="capsule" fromto="0 0 0 .25 0 0" size=".02"/><site name="tool" pos=".25 0 0" {site}/>
-</body></body></worldbody><actuator><motor name="drive" joint="shoulder" {drive}/></actuator>
+</body></body></worldbody><actuator><motor name="drive" joint="shoulder" {drive}/>
+<motor joint="elbow"/></actuator>
 {rest}</mujoco>"""
 NAMES = ("head", "option", "scene", "upper", "shoulder", "geom", "site", "drive", "rest")
 PARTS = dict.fromkeys(NAMES, "")
@@ -105,7 +106,9 @@ def test_a_joint_may_be_called_nan_or_inf(tmp_path):
 
 @pytest.mark.parametrize("armature", ["0", "0.01"])
 def test_two_joints_on_one_axis_are_refused_unless_their_motors_tell_them_apart(tmp_path, armature):
-    path = written(tmp_path, shoulder=f'armature="{armature}"/><joint name="twin" axis="0 1 0"')
+    twin = f'armature="{armature}"/><joint name="twin" axis="0 1 0"'
+    driven = '<actuator><motor joint="twin"/></actuator>'
+    path = written(tmp_path, shoulder=twin, rest=driven)
     if armature == "0":
         assert "joints 'shoulder' and 'twin' move the same masses" in refused(path)
     else:

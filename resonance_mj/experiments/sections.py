@@ -18,6 +18,14 @@ class Robot(Section):
     """A path, or the name of a file in mjcf/."""
     tool: Name | None = None
     """The site or body that follows the motion; found if not given."""
+    arm: Name | None = None
+    """Of several arms the one that has this word in the names of its joints or tool, such as left;
+    the one with the most joints if not given."""
+    joints: Annotated[tuple[Name, ...], Field(min_length=1), Alone] | None = None
+    """The joints that move, of those between the world and the tool; the others are held. All that
+    the file drives if not given, but for a mobile base's."""
+    base: Literal["hold"] = "hold"
+    """A base that floats freely in the file is held where the home pose has it."""
     home: Name | Numbers | None = None
     """Joint angles at the start, at rest [rad], or a keyframe's name; found if not given."""
     contacts: bool = True

@@ -200,6 +200,8 @@ class Plan:
         return (
             experiment.robot.mjcf,
             experiment.robot.tool,
+            experiment.robot.arm,
+            experiment.robot.joints,
             experiment.task,
             experiment.simulation.integrator,
             self.law.command,

@@ -15,9 +15,10 @@ import numpy as np
 
 from .. import library
 from ..errors import RobotError
+from ..experiments.sections import Robot
 from ..files import is_file
 from ..text import listed, shown
-from . import chain, clearing, menagerie, motors, names, poses, sound
+from . import chain, clearing, menagerie, motors, moving, names, poses, sound
 from .compiling import compile_spec, parse
 from .tool import Tool, find_tools
 
@@ -88,19 +89,17 @@ def find(mjcf: str) -> Path:
     )
 
 
-def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
+def read(given: Robot) -> Arm:
     """Find the arm in an MJCF file and make it one that the law can drive.
 
     Args:
-        mjcf: path, or name in mjcf/.
-        tool: name of a site or body; None to find it.
-        home: name of a keyframe; None for `home` if there is one.
+        given: what the experiment says of the robot.
 
     Raises:
         RobotError: the file is missing, MuJoCo rejects it, or it holds no arm that can be driven;
             the message names the file and the element.
     """
-    path = find(mjcf)
+    path = find(given.mjcf)
     # MuJoCo takes a mesh from memory if its file has the same time, which counts whole seconds.
     mujoco.mj_clearCache(mujoco.mj_getCache())
     # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
@@ -108,9 +107,9 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     model, spec = compile_spec(parse(path, visuals=False), path), parse(path)
     sound.check_numbers(model, path)
     notes: list[str] = []
-    tools = find_tools(model, tool, path, notes)
+    tools = find_tools(model, given.tool, given.arm, path, notes)
     site, body = tools[0].name, int(model.body(tools[0].body).id)
-    joint_ids = chain.joints_to(model, body)
+    joint_ids = moving.joints(model, chain.joints_to(model, body), given.joints, path, notes)
     if not joint_ids:
         raise RobotError(f"{path}: no joint moves the tool {site!r}")
     chain.check(model, joint_ids, path, f"the tool {site!r}")
@@ -120,7 +119,7 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     else:
         of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
         poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
-    at_home, has_key = _at_home(model, home, path)
+    at_home, has_key = _at_home(model, given.home if isinstance(given.home, str) else None, path)
     chain.weld_rest(model, joint_ids)
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]

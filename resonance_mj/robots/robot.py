@@ -133,9 +133,8 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
     """
     given = experiment.robot
     with heard() as warned:
-        keyframe = given.home if isinstance(given.home, str) else None
         sound.check_texts(mjcf.find(given.mjcf))
-        arm = mjcf.read(given.mjcf, given.tool, keyframe)
+        arm = mjcf.read(given)
         path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
         _set_options(spec, experiment)
         arm.model.opt.disableflags = spec.option.disableflags
