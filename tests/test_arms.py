@@ -174,3 +174,44 @@ def test_joints_without_an_actuator_are_held_where_others_have_one_unless_asked_
     drive = "<tendon><fixed name='t'><joint joint='a_elbow' coef='2'/></fixed></tendon>"
     more = f"<actuator>{motors}<motor tendon='t'/></actuator>"
     assert built(written(tmp_path, arm, drive + more)).n == 3
+
+
+def test_a_last_joint_that_cannot_move_the_tool_is_said_with_the_tools_that_exist(tmp_path):
+    roll = link("hand", "roll", '<site name="tcp"/><site name="edge" pos="0 .1 0"/>', axis="1 0 0")
+    path = written(tmp_path, limb("a", roll))
+    (said,) = [note for note in built(path).notes if "roll cannot move" in note]
+    assert "'tcp'" in said
+    assert "edge" in said
+    assert not any("cannot move" in note for note in built(path, tool="edge").notes)
+    pole = '<body name="pole"><joint name="j" axis="0 1 0"/><geom size=".1"/></body>'
+    bare = written(tmp_path, pole)
+    with pytest.raises(rmj.ResonanceError, match=r"tool 'pole' cannot be moved.*robot.tool"):
+        built(bare)
+
+
+KEYS = (
+    '<keyframe><key name="home" qpos="0 {home}"/><key name="bent" qpos="0 1"/>'
+    '<key name="folded" qpos="0 2.5"/></keyframe>'
+)
+
+
+def ranged(folder, home):
+    elbow = link("lower", "elbow", '<site name="tcp"/>', more='range="-2 2"')
+    world = link("upper", "shoulder", elbow)
+    return written(folder, world, KEYS.format(home=home))
+
+
+@pytest.mark.parametrize("home", [2.0, 2.5])
+def test_no_home_is_at_a_joint_s_limit_or_beyond(tmp_path, home):
+    path = ranged(tmp_path, home)
+    robot = built(path)
+    assert abs(robot.home[1]) < 2
+    (said,) = [note for note in robot.notes if note.startswith("home: found")]
+    assert "not the keyframe 'home': joint elbow is at" in said
+    assert any(note.endswith("bent, folded") for note in robot.notes), "all keyframes"
+    for given in ("folded", (0.0, home)):
+        with pytest.raises(rmj.ResonanceError, match=r"elbow is at 2.*range is -2 to 2"):
+            built(path, home=given)
+    np.testing.assert_array_equal(built(path, home="bent").home, [0, 1])
+    np.testing.assert_array_equal(built(path, limits=False).home, [0, home])
+    np.testing.assert_array_equal(built(ranged(tmp_path, 1.5)).home, [0, 1.5])

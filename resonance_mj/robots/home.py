@@ -1,13 +1,59 @@
-"""A home pose for an arm whose author gives none: well-conditioned, free, and always the same."""
+"""Where an arm starts: as given, as its author has it, else well-conditioned and free."""
 
 from __future__ import annotations
 
 import mujoco
 import numpy as np
 
+from ..errors import RobotError
+from ..experiments.sections import Robot
+from ..text import shown
 from .mjcf import Arm
 
 SAMPLES = 3000
+
+
+def chosen(given: Robot, arm: Arm) -> np.ndarray:
+    """Joint angles at the start (n,) [rad or m].
+
+    A keyframe that nobody named and that is at a joint's limit is not taken.
+
+    Args:
+        given: what the experiment says of the robot.
+        arm: the arm, whose notes get a line of where it starts.
+
+    Raises:
+        RobotError: a home that is given has too few or too many angles, or is at a joint's limit.
+    """
+    if isinstance(given.home, tuple) and len(given.home) != len(arm.joints):
+        raise RobotError(
+            f"{arm.path}: robot.home has {len(given.home)} angles and the arm has "
+            f"{len(arm.joints)} joints ({', '.join(arm.joints)})"
+        )
+    home = np.asarray(given.home, float) if isinstance(given.home, tuple) else arm.home
+    limit = None if home is None or not given.limits else _at_limit(arm, home)
+    if limit and given.home is not None:
+        raise RobotError(
+            f"{arm.path}: robot.home = {shown(given.home)}: {limit}: give angles inside it, or "
+            "robot.limits = false"
+        )
+    if home is not None and not limit:
+        if given.home is None:
+            arm.notes.append("home: the keyframe 'home'")
+        return home
+    found = find(arm)
+    instead = f"; not the keyframe 'home': {limit}" if limit else ""
+    arm.notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}{instead}")
+    return found
+
+
+def _at_limit(arm: Arm, home: np.ndarray) -> str | None:
+    """What to say of the first joint that is at a limit, or beyond it; None if none is."""
+    for name, j, q in zip(arm.joints, arm.joint_id, home, strict=True):
+        low, high = arm.model.jnt_range[j]
+        if arm.model.jnt_limited[j] and not low < q < high:
+            return f"joint {name} is at {q:g}, and its range is {low:g} to {high:g}"
+    return None
 
 
 def find(arm: Arm) -> np.ndarray:

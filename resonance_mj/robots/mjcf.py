@@ -119,7 +119,10 @@ def read(given: Robot) -> Arm:
     else:
         of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
         poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
-    at_home, has_key = _at_home(model, given.home if isinstance(given.home, str) else None, path)
+    at_home, key = _at_home(model, given.home if isinstance(given.home, str) else None, path)
+    others = [model.key(i).name for i in range(model.nkey) if model.key(i).name not in ("", key)]
+    if others:
+        notes.append(f"keyframes that robot.home can name: {listed(others)}")
     chain.weld_rest(model, joint_ids)
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]
@@ -142,13 +145,15 @@ def read(given: Robot) -> Arm:
         site=site,
         body=body,
         point=point,
-        home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if has_key else None,
+        home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if key is not None else None,
         notes=notes,
     )
 
 
-def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoco.MjData, bool]:
-    """The whole model at home, and whether a keyframe says so."""
+def _at_home(
+    model: mujoco.MjModel, name: str | None, path: Path
+) -> tuple[mujoco.MjData, str | None]:
+    """The whole model at home, and the name of the keyframe that says so."""
     keys = [model.key(i).name for i in range(model.nkey)]
     data = mujoco.MjData(model)
     if name is None:
@@ -163,4 +168,4 @@ def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoc
     if name is not None:
         mujoco.mj_resetDataKeyframe(model, data, keys.index(name))
     mujoco.mj_kinematics(model, data)
-    return data, name is not None
+    return data, name

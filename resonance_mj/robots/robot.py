@@ -12,12 +12,10 @@ import numpy as np
 from ..errors import ExperimentError, RobotError
 from ..experiments.experiment import Experiment
 from . import home as homes
-from . import mjcf, payload, sound
+from . import mjcf, payload, sound, task
 from .compiling import compile_spec
 from .tool import Tool
 from .warned import heard
-
-AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
 
 INTEGRATORS = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,
@@ -138,8 +136,8 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
         _set_options(spec, experiment)
         arm.model.opt.disableflags = spec.option.disableflags
-        home = _home(experiment, arm)
-        axes = _axes(experiment, arm.jacobian(home), path, notes)
+        home = homes.chosen(given, arm)
+        axes = task.axes(experiment.task.coordinates, arm, home)
         _check_lengths(experiment, joints, axes, path)
         n = len(joints)
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), n)
@@ -153,7 +151,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         qpos[model.jnt_qposadr[joint_id]] = home
         jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
         sound.check_inertia(inertia, joints, path)
-    coordinate = np.array([AXES[axis] for axis in axes])
+    coordinate = np.array([task.AXES[axis] for axis in axes])
     J = jacobian[coordinate]
     return Robot(
         model=model,
@@ -200,33 +198,6 @@ def _torque_limits(model: mujoco.MjModel, actuator_id: np.ndarray) -> np.ndarray
     return np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
 
 
-def _axes(
-    experiment: Experiment, jacobian: np.ndarray, path: Path, notes: list[str]
-) -> tuple[str, ...]:
-    """The task's coordinates; if not given, the positions that the arm controls at home."""
-    given = experiment.task.coordinates
-    if given is not None:
-        return tuple(
-            axis
-            for name in given
-            for axis in (("rx", "ry", "rz") if name == "rotation" else (name,))
-        )
-    # One arm moves in x and z, another in all three: take the axes in turn, and leave out one that
-    # moves only as the others make it.
-    size = np.linalg.norm(jacobian[:3])
-    found: list[str] = []
-    for axis in "xzy":
-        rows = jacobian[[AXES[name] for name in (*found, axis)]]
-        enough = len(rows) <= jacobian.shape[1]
-        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
-            found.append(axis)
-    if not found:
-        raise RobotError(f"{path}: the tool cannot be moved from the home pose")
-    axes = tuple(sorted(found))
-    notes.append(f"task: position in {', '.join(axes)}, which the arm controls at home")
-    return axes
-
-
 def _check_lengths(
     experiment: Experiment, joints: tuple[str, ...], axes: tuple[str, ...], path: Path
 ) -> None:
@@ -258,24 +229,6 @@ def _check_lengths(
                 f"experiment {experiment.name!r}: {key} = {list(value)} has {len(value)} numbers; "
                 f"{len(names)} are needed, one per {each} of {path.name}: {', '.join(names)}"
             )
-
-
-def _home(experiment: Experiment, arm: mjcf.Arm) -> np.ndarray:
-    given = experiment.robot.home
-    if isinstance(given, tuple):
-        if len(given) != len(arm.joints):
-            raise RobotError(
-                f"{arm.path}: robot.home has {len(given)} angles and the arm has "
-                f"{len(arm.joints)} joints ({', '.join(arm.joints)})"
-            )
-        return np.asarray(given, float)
-    if arm.home is not None:
-        if given is None:
-            arm.notes.append("home: the keyframe 'home'")
-        return arm.home
-    found = homes.find(arm)
-    arm.notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}")
-    return found
 
 
 def _at_home(
