@@ -433,3 +433,52 @@ def test_an_archive_is_never_unpacked_and_a_damaged_or_huge_one_is_refused(tmp_p
 def test_find_says_what_a_name_could_have_meant(tmp_path):
     with pytest.raises(rmj.ResonanceError, match=r"no such file.*two_link.xml"):
         mjcf.find(str(tmp_path))
+
+
+def packaged(folder, mesh_at, **text):
+    """A URDF whose arm has a mesh in a package, for the eye and to touch."""
+    shape = '<geometry><mesh filename="package://my_arm/meshes/upper.obj"/></geometry>'
+    path = folder / "urdf" / "arm.urdf"
+    path.parent.mkdir(parents=True)
+    upper = URDF.replace("../meshes/upper.obj", "package://my_arm/meshes/upper.obj")
+    path.write_text(upper.replace("</link>\n<link name=\"lower\">", f"<collision>{shape}</collision>"
+                                  "</link>\n<link name=\"lower\">"))  # fmt: skip
+    mesh(mesh_at / "meshes" / "upper.obj")
+    return path
+
+
+@pytest.mark.parametrize("place", ["own", "named by package.xml", "beside", "given", "ros", "deep"])
+def test_a_package_is_found_around_the_file_in_given_roots_and_where_ros_looks(
+    tmp_path, monkeypatch, place
+):
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    root = tmp_path / {"own": "my_arm", "named by package.xml": "my_arm-main"}.get(place, "else")
+    elsewhere = tmp_path / "ws" / "src" / ("deep/my_arm" if place == "deep" else "my_arm")
+    where = {"beside": tmp_path / "my_arm"} | dict.fromkeys(("given", "ros", "deep"), elsewhere)
+    path = packaged(root, where.get(place, root))
+    if place.startswith("named"):
+        (root / "package.xml").write_text("<package><name>my_arm</name></package>")
+    if place == "ros":
+        monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere{os.pathsep}{tmp_path / 'ws' / 'src'}")
+    experiment = for_robot(str(path))
+    if place in ("given", "deep"):
+        with pytest.raises(rmj.ResonanceError, match=r"package://my_arm/.*robot.packages"):
+            build(experiment)
+        experiment = experiment.replace({"robot.packages": [str(tmp_path / "ws" / "src")]})
+    robot = build(experiment)
+    assert robot.model.nmesh == 1
+    assert robot.model.ngeom == 3, "what is seen, what touches, and the sphere"
+    assert len(source.files(path, experiment.robot.packages)) == 2
+
+
+def test_a_urdf_keeps_its_efforts_as_limits_and_a_mimicked_joint_is_named(tmp_path):
+    limits = '<limit lower="-2" upper="2" effort="{}" velocity="1"/>'
+    text = URDF.replace("continuous", "revolute")
+    text = text.replace('<axis xyz="0 1 0"/></joint>\n', f'<axis xyz="0 1 0"/>{limits.format(30)}</joint>\n')
+    path = tmp_path / "arm.urdf"
+    path.write_text(text.replace('"0 1 0"/></joint></robot>', f'"0 1 0"/>{limits.format(7)}</joint></robot>'))
+    np.testing.assert_array_equal(build(for_robot(str(path))).torque_limit, [[-30, 30], [-7, 7]])
+    path.write_text(path.read_text().replace("</joint></robot>", '<mimic joint="shoulder" '
+                                             'multiplier="2"/></joint></robot>'))  # fmt: skip
+    assert "'elbow'" in refused(path)
+    assert "'shoulder'" in refused(path)

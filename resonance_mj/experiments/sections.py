@@ -32,6 +32,9 @@ class Robot(Section):
     """Whether bodies collide."""
     limits: bool = True
     """Whether joints stop at the ends of their range."""
+    packages: Annotated[tuple[Name, ...], Alone] = ()
+    """Folders that hold the packages of a URDF's package:// names, besides its own and those of
+    ROS_PACKAGE_PATH."""
 
 
 class Task(Section):

@@ -14,11 +14,19 @@ from . import names, urdf, warned
 _turn = threading.Lock()
 
 
-def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
+def parse(
+    path: Path,
+    packages: tuple[str, ...] = (),
+    notes: list[str] | None = None,
+    *,
+    visuals: bool = True,
+) -> mujoco.MjSpec:
     """A file as an editable model, in which every joint and body has a name.
 
     Args:
         path: of the file.
+        packages: folders in which the packages of a URDF are looked for.
+        notes: get lines of what is left out of a URDF.
         visuals: whether what is only seen is kept; it is where MuJoCo needs it for inertias.
 
     Raises:
@@ -26,9 +34,10 @@ def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
     """
     try:
         # From a relative path it does not find meshes that lie beside a file that is included.
-        spec = mujoco.MjSpec.from_file(str(path.absolute()))
-        if visuals and urdf.is_urdf(path):
-            spec = urdf.with_visuals(path, spec)
+        if urdf.is_urdf(path):
+            spec = urdf.read(path, packages, [] if notes is None else notes)
+        else:
+            spec = mujoco.MjSpec.from_file(str(path.absolute()))
     except (ValueError, mujoco.FatalError) as error:
         raise RobotError(rejected(path, error)) from None
     # Bodies that are fused would lose their names, and the others their numbers; a payload's body

@@ -104,14 +104,21 @@ def read(given: Robot) -> Arm:
     mujoco.mj_clearCache(mujoco.mj_getCache())
     # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
     # that has been compiled copies all of them each time.
-    model, spec = compile_spec(parse(path, visuals=False), path), parse(path)
-    sound.check_numbers(model, path)
     notes: list[str] = []
+    model = compile_spec(parse(path, given.packages, visuals=False), path)
+    spec = parse(path, given.packages, notes)
+    sound.check_numbers(model, path)
     tools = find_tools(model, given.tool, given.arm, path, notes)
     site, body = tools[0].name, int(model.body(tools[0].body).id)
-    joint_ids = moving.joints(model, chain.joints_to(model, body), given.joints, path, notes)
+    between = chain.joints_to(model, body)
+    joint_ids = moving.joints(model, between, given.joints, path, notes)
     if not joint_ids:
-        raise RobotError(f"{path}: no joint moves the tool {site!r}")
+        only = "".join(
+            f" but the free joint {model.joint(j).name!r}, which is held" for j in between
+        )
+        raise RobotError(
+            f"{path}: no joint moves the tool {site!r}{only}; an arm needs hinge and slide joints"
+        )
     chain.check(model, joint_ids, path, f"the tool {site!r}")
     point = np.zeros(3)
     if tools[0].kind == "site":

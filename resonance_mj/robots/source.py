@@ -26,11 +26,12 @@ LARGEST = 512_000_000
 """Bytes that the files of an archive may have together."""
 
 
-def files(path: Path) -> list[Path]:
+def files(path: Path, packages: tuple[str, ...] = ()) -> list[Path]:
     """All files of a robot, absolute, the one that was named first.
 
     Args:
         path: of an MJCF, a URDF or an archive that MuJoCo reads.
+        packages: folders in which the packages of a URDF are looked for.
 
     Raises:
         RobotError: MuJoCo rejects it.
@@ -41,7 +42,9 @@ def files(path: Path) -> list[Path]:
         # MuJoCo names no mesh of a URDF, and a wrong place where paths are stripped or meshes lie
         # beside a file that is included: where they were read, the model knows.
         with heard():
-            read = compile_spec(parse(path), path).paths.decode("utf-8", "surrogateescape")
+            read = compile_spec(parse(path, packages), path).paths.decode(
+                "utf-8", "surrogateescape"
+            )
         named |= {Path(os.path.normpath(name)) for name in read.split("\0") if name}
     return [path, *sorted(file for file in named - {path} if file.is_file())]
 
