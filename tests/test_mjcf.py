@@ -456,3 +456,87 @@ def test_a_home_that_is_found_is_well_conditioned_and_free_where_it_can_be(tmp_p
     mujoco.mj_jacSite(robot.model, data, jacobian, None, robot.site)
     assert np.linalg.cond(jacobian[[0, 2]]) < 4
     assert robot.axes == ("x", "z")
+
+
+# What ties joints to each other, and what drives them otherwise than a motor at a joint
+
+CRANK = (
+    '<body name="crank" pos="0 0 .1"><joint name="c" axis="0 1 0"/><geom size=".02"/>'
+    '<site name="pin" pos=".3 0 0"/></body>'
+)
+
+
+@pytest.mark.parametrize(
+    ("constraint", "words"),
+    [
+        ("<joint joint1='elbow' joint2='shoulder' polycoef='0 -1 0 0 0'/>", "'elbow' and 'should"),
+        ("<joint name='stuck' joint1='elbow'/>", "'stuck' between 'elbow' and 'a constant'"),
+        ("<connect name='rod' body1='crank' body2='lower' anchor='.1 0 0'/>", "'crank' and 'lower"),
+        ("<connect body1='lower' anchor='.1 0 0'/>", "'lower' and 'world'"),
+        ("<weld site1='pin' site2='tip'/>", "'crank' and 'lower'"),
+        ("<tendon tendon1='sum'/>", "'sum' and 'a constant'"),
+    ],
+)
+def test_joints_that_are_tied_are_refused_unless_those_that_move_are_asked_for(
+    tmp_path, constraint, words
+):
+    sum_of = "<tendon><fixed name='sum'><joint joint='elbow' coef='1'/><joint joint='shoulder' "
+    sum_of += "coef='1'/></fixed></tendon>"
+    tip = "<site name='tip' pos='.2 0 0'/>"
+    rest = f"{sum_of}<equality>{constraint}</equality>"
+    path = written(tmp_path, tool=tip, scene=CRANK, rest=rest)
+    with pytest.raises(rmj.ResonanceError, match=r"constraint .*robot.joints") as caught:
+        read(path)
+    assert words in str(caught.value)
+    arm, model = read(path, joints=("shoulder",))
+    assert model.neq == 0
+    assert any(note.startswith("taken out: equality constraints") for note in arm.notes)
+    path.write_text(path.read_text().replace("<joint joint1", "<joint active='false' joint1"))
+    if "joint1='elbow' joint2" in constraint:
+        assert read(path)[0].joints == ("shoulder", "elbow")
+
+
+def test_a_linkage_within_a_hand_ties_no_joint_of_the_arm(tmp_path):
+    rest = "<equality><connect body1='left' body2='right' anchor='0 0 0'/></equality>"
+    assert read(written(tmp_path, tool=HAND, rest=rest))[0].joints == ("shoulder", "elbow")
+
+
+def test_what_becomes_of_each_actuator_is_said(tmp_path):
+    tendons = (
+        "<tendon><fixed name='t'><joint joint='elbow' coef='.02'/></fixed></tendon><actuator>"
+        "<muscle name='biceps' joint='shoulder' lengthrange='-1 1'/><motor name='rope' tendon='t' "
+        "ctrlrange='-50 50'/><position name='servo' joint='elbow' forcerange='-5 5'/>"
+        "<position name='finger' joint='l'/></actuator>"
+    )
+    arm, _ = read(written(tmp_path, tool=HAND, rest=tendons))
+    assert "replaced by torque motors, limits kept: actuators servo" in arm.notes
+    (without,) = [note for note in arm.notes if "without limits" in note]
+    assert without.endswith("biceps (a muscle), rope (a tendon)")
+    assert any(note.endswith("turn no joint of the arm: actuators finger") for note in arm.notes)
+
+
+@pytest.mark.parametrize("limit", ["ctrlrange='0 20'", "gear='-1' ctrlrange='0 20'"])
+def test_a_motor_that_turns_its_joint_one_way_only_is_said_and_one_that_does_not_is_none(
+    tmp_path, limit
+):
+    rest = f"<actuator><motor joint='shoulder'/><motor joint='elbow' {limit}/></actuator>"
+    robot = build(for_robot(str(written(tmp_path, rest=rest))))
+    assert sorted(np.abs(robot.torque_limit[1])) == [0, 20]
+    assert [note for note in robot.notes if "elbow" in note and "one way only" in note]
+    arm, _ = read(written(tmp_path, rest=rest.replace(limit, "gear='0'")))
+    assert arm.joints == ("shoulder",)
+
+
+def test_a_time_step_or_integrator_that_the_file_gives_is_kept_or_the_change_is_said(tmp_path):
+    path = written(tmp_path)
+    path.write_text(
+        path.read_text().replace("<mujoco>", '<mujoco><option timestep=".005" integrator="RK4"/>')
+    )
+    experiment = for_robot(str(path))
+    said = [note for note in build(experiment).notes if note.startswith("simulation.")]
+    assert said == [
+        "simulation.timestep is 0.001; the file has 0.005",
+        "simulation.integrator is implicitfast; the file has RK4",
+    ]
+    asked = experiment.replace({"simulation.timestep": 1e-3, "simulation.integrator": "RK4"})
+    assert not [note for note in build(asked).notes if note.startswith("simulation.")]

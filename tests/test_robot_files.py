@@ -435,14 +435,14 @@ def test_find_says_what_a_name_could_have_meant(tmp_path):
         mjcf.find(str(tmp_path))
 
 
-def packaged(folder, mesh_at, **text):
+def packaged(folder, mesh_at):
     """A URDF whose arm has a mesh in a package, for the eye and to touch."""
     shape = '<geometry><mesh filename="package://my_arm/meshes/upper.obj"/></geometry>'
     path = folder / "urdf" / "arm.urdf"
     path.parent.mkdir(parents=True)
-    upper = URDF.replace("../meshes/upper.obj", "package://my_arm/meshes/upper.obj")
-    path.write_text(upper.replace("</link>\n<link name=\"lower\">", f"<collision>{shape}</collision>"
-                                  "</link>\n<link name=\"lower\">"))  # fmt: skip
+    text = URDF.replace("../meshes/upper.obj", "package://my_arm/meshes/upper.obj")
+    after = '</link>\n<link name="lower">'
+    path.write_text(text.replace(after, f"<collision>{shape}</collision>{after}"))
     mesh(mesh_at / "meshes" / "upper.obj")
     return path
 
@@ -474,9 +474,13 @@ def test_a_package_is_found_around_the_file_in_given_roots_and_where_ros_looks(
 def test_a_urdf_keeps_its_efforts_as_limits_and_a_mimicked_joint_is_named(tmp_path):
     limits = '<limit lower="-2" upper="2" effort="{}" velocity="1"/>'
     text = URDF.replace("continuous", "revolute")
-    text = text.replace('<axis xyz="0 1 0"/></joint>\n', f'<axis xyz="0 1 0"/>{limits.format(30)}</joint>\n')
+    text = text.replace(
+        '<axis xyz="0 1 0"/></joint>\n', f'<axis xyz="0 1 0"/>{limits.format(30)}</joint>\n'
+    )
     path = tmp_path / "arm.urdf"
-    path.write_text(text.replace('"0 1 0"/></joint></robot>', f'"0 1 0"/>{limits.format(7)}</joint></robot>'))
+    path.write_text(
+        text.replace('"0 1 0"/></joint></robot>', f'"0 1 0"/>{limits.format(7)}</joint></robot>')
+    )
     np.testing.assert_array_equal(build(for_robot(str(path))).torque_limit, [[-30, 30], [-7, 7]])
     path.write_text(path.read_text().replace("</joint></robot>", '<mimic joint="shoulder" '
                                              'multiplier="2"/></joint></robot>'))  # fmt: skip

@@ -6,28 +6,20 @@ import mujoco
 import numpy as np
 
 from ..text import listed
-from .motors import is_torque_motor
 
 
 def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
-    """Delete what acts on joints besides the law, or refers to what is deleted."""
+    """Delete what acts on joints besides motors and the law, or refers to what is deleted."""
     for kind, elements in (
-        ("actuators", spec.actuators),
         ("tendons", spec.tendons),
         ("equality constraints", spec.equalities),
         ("sensors", spec.sensors),
         ("keyframes", spec.keys),
     ):
-        names = [
-            element.name or "unnamed"
-            for element in elements
-            if kind != "actuators" or not is_torque_motor(element)
-        ]
+        names = [element.name or "unnamed" for element in elements]
         for element in list(elements):
             spec.delete(element)
-        if names and kind == "actuators":
-            notes.append(f"replaced by torque motors, limits kept: actuators {listed(names)}")
-        elif names and kind not in ("sensors", "keyframes"):
+        if names and kind not in ("sensors", "keyframes"):
             notes.append(f"taken out: {kind} {listed(names)}")
 
 

@@ -18,7 +18,7 @@ from ..errors import RobotError
 from ..experiments.sections import Robot
 from ..files import is_file
 from ..text import listed, shown
-from . import chain, clearing, menagerie, motors, moving, names, poses, sound
+from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound
 from .compiling import compile_spec, parse
 from .tool import Tool, find_tools
 
@@ -134,6 +134,8 @@ def read(given: Robot) -> Arm:
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]
     motors.keep_rotors(spec, model, joint_ids)
+    closures.check(model, joint_ids, given.joints is not None, path)
+    motors.replace(spec, model, joint_ids, notes)
     clearing.take_out(spec, notes)
     poses.hold_off_chain(spec, model, at_home, joint_ids, notes)
     clearing.take_springs_off(spec, model, joints, notes)

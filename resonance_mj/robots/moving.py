@@ -64,10 +64,6 @@ def joints(
 
 def _driven(model: mujoco.MjModel) -> set[int]:
     """Ids of the joints that an actuator of the file acts on, itself or through a tendon."""
-    kinds, ids = model.actuator_trntype, model.actuator_trnid[:, 0]
-    on_joints = np.isin(
-        kinds, [int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)]
-    )
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     moment = np.zeros((model.nu, model.nv))
@@ -76,4 +72,4 @@ def _driven(model: mujoco.MjModel) -> set[int]:
         row = slice(first, first + count)
         moment[a, data.moment_colind[row]] = data.actuator_moment[row]
     reached = np.flatnonzero(np.abs(moment).max(axis=0, initial=0.0) > 0)
-    return {*ids[on_joints].tolist(), *model.dof_jntid[reached].tolist()}
+    return set(model.dof_jntid[reached].tolist())

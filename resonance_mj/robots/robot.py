@@ -134,7 +134,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         sound.check_texts(mjcf.find(given.mjcf))
         arm = mjcf.read(given)
         path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
-        _set_options(spec, experiment)
+        _set_options(spec, experiment, arm)
         arm.model.opt.disableflags = spec.option.disableflags
         home = homes.chosen(given, arm)
         axes = task.axes(experiment.task.coordinates, arm, home)
@@ -178,10 +178,26 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
     )
 
 
-def _set_options(spec: mujoco.MjSpec, experiment: Experiment) -> None:
-    """Write what the experiment says of the simulation into the model."""
-    spec.option.timestep = experiment.simulation.timestep
-    spec.option.integrator = INTEGRATORS[experiment.simulation.integrator]
+def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> None:
+    """Write what the experiment says of the simulation into the model.
+
+    What is not MuJoCo's own default in the file, and nobody asked to change, is said.
+    """
+    given, of_file, usual = experiment.simulation, spec.option, mujoco.MjSpec().option
+    integrator = mujoco.mjtIntegrator(of_file.integrator)
+    for key, value, name, was_given in (
+        ("timestep", given.timestep, of_file.timestep, of_file.timestep != usual.timestep),
+        (
+            "integrator",
+            given.integrator,
+            next((name for name, one in INTEGRATORS.items() if one == integrator), integrator.name),
+            integrator != usual.integrator,
+        ),
+    ):
+        if was_given and name != value and key not in given.model_fields_set:
+            arm.notes.append(f"simulation.{key} is {value}; the file has {name}")
+    spec.option.timestep = given.timestep
+    spec.option.integrator = INTEGRATORS[given.integrator]
     if experiment.simulation.gravity is not None:
         spec.option.gravity = experiment.simulation.gravity
     # A reset would wipe the record of a run that diverges; the controller detects it first.
