@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ..text import listed
+from .touching import FAR, called, contacts, distance
 
 
 def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
@@ -42,6 +43,41 @@ def take_springs_off(
         joint.springdamper = [0.0, 0.0]
     if taken:
         notes.append(f"taken off, the law puts its own there: springs of {listed(taken)}")
+
+
+def let_overlaps_pass(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, at_home: mujoco.MjData, notes: list[str]
+) -> None:
+    """Let neighbours that overlap at home pass through each other, and say what else touches.
+
+    Args:
+        spec: of the robot, changed.
+        model: of the file.
+        at_home: its state at home.
+        notes: get a line of either.
+    """
+    found: dict[tuple[str, ...], tuple[int, float, str]] = {}
+    for first, second, depth in contacts(model, at_home):
+        bodies = tuple(model.body(max(0, model.geom_bodyid[geom])).name for geom in (first, second))
+        away, deepest, _ = found.get(bodies, (0, 0.0, ""))
+        names = f"{called(model, first)} and {called(model, second)}"
+        found[bodies] = (max(away, distance(model, first, second)), max(deepest, depth), names)
+    for bodies, (away, _, _) in found.items():
+        if away < FAR:
+            spec.add_exclude(bodyname1=bodies[0], bodyname2=bodies[1])
+    passing = [names for away, _, names in found.values() if away < FAR]
+    others = [
+        f"{names} ({1e3 * depth:.3g} mm deep)"
+        for away, depth, names in found.values()
+        if away == FAR
+    ]
+    if passing:
+        notes.append(f"neighbours that overlap at home do not collide: {listed(passing)}")
+    if others:
+        notes.append(
+            f"in contact at home: {listed(others)}; give a robot.home without, or robot.contacts = "
+            "false lets all bodies pass"
+        )
 
 
 def passive_gravity(spec: mujoco.MjSpec, notes: list[str]) -> None:

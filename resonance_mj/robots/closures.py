@@ -31,13 +31,13 @@ def check(model: mujoco.MjModel, joints: list[int], asked: bool, path: Path) -> 
     for i in range(model.neq):
         tied = set() if asked or not model.eq_active0[i] else _tied(model, i, set(joints))
         if tied:
-            name = model.equality(i).name
+            name = f" {model.equality(i).name!r}" * bool(model.equality(i).name)
+            kind = _EQ(model.eq_type[i]).name.removeprefix("mjEQ_").lower()
             raise RobotError(
-                f"{path}: {mujoco.mjtEq(model.eq_type[i]).name.removeprefix('mjEQ_').lower()} "
-                f"constraint {name!r} between {_ends(model, i)} ties the arm's joints "
-                f"{listed(model.joint(j).name for j in sorted(tied))} to others, and each needs a "
-                "spring and a motor of its own: name those that move as robot.joints to take the "
-                "constraint out"
+                f"{path}: {kind} constraint{name} between {_ends(model, i)} ties joints of the arm "
+                f"({listed(model.joint(j).name for j in sorted(tied))}) to others, and each moves "
+                "by a spring and a motor of its own: name those that move as robot.joints to take "
+                "the constraint out"
             )
 
 

@@ -9,6 +9,7 @@ from ..errors import RobotError
 from ..experiments.sections import Robot
 from ..text import shown
 from .mjcf import Arm
+from .touching import FAR, contacts, distance
 
 SAMPLES = 3000
 
@@ -60,8 +61,8 @@ def find(arm: Arm) -> np.ndarray:
     """Joint angles (n,) [rad or m] away from joint limits, singular poses and contacts.
 
     Of poses drawn with a fixed seed, the one with the best product of the tool Jacobian's smallest
-    singular value and the distance to the nearest joint limit, among those without a contact; among
-    all where bodies that overlap leave none without.
+    singular value and the distance to the nearest joint limit, among those without a contact; where
+    there is none, among those in which only neighbours touch, the nearest possible.
     """
     model, data, joint_id = arm.model, arm.at_home, arm.joint_id
     rng = np.random.default_rng(20)
@@ -70,21 +71,20 @@ def find(arm: Arm) -> np.ndarray:
     free = np.where(slide, 0.5, np.pi)
     low = np.where(limited, model.jnt_range[joint_id, 0], -free)
     high = np.where(limited, model.jnt_range[joint_id, 1], free)
-    best, pose = -1.0, None
-    best_touching, touching = -1.0, (low + high) / 2
+    best = np.full(FAR + 2, -1.0)
+    poses = [(low + high) / 2] * len(best)
     for _ in range(SAMPLES):
         share = rng.uniform(0.15, 0.85, len(joint_id))
         q = low + share * (high - low)
         jacobian = arm.jacobian(q)
         margin = np.where(limited, 2 * np.minimum(share, 1 - share), 1.0).min()
         score = margin * _conditioning(jacobian)
-        if score > best:
-            mujoco.mj_collision(model, data)
-            if data.ncon == 0:
-                best, pose = score, q
-            elif score > best_touching:
-                best_touching, touching = score, q
-    return touching if pose is None else pose
+        if score > best[0]:
+            touched = [distance(model, one, other) for one, other, _ in contacts(model, data)]
+            kind = max(touched, default=0)
+            if score > best[kind]:
+                best[kind], poses[kind] = score, q
+    return poses[int(np.argmax(best > -1.0))]
 
 
 def _conditioning(jacobian: np.ndarray) -> float:

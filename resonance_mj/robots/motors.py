@@ -64,7 +64,7 @@ def replace(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int], notes:
     for a, actuator in enumerate(list(spec.actuators)):
         muscle = int(model.actuator_gaintype[a]) == int(mujoco.mjtGain.mjGAIN_MUSCLE)
         through = int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_TENDON)
-        name = actuator.name or f"number {a + 1}"
+        name = actuator.name or f"that of {actuator.target}"
         if muscle or through:
             without.append(f"{name} (a {'muscle' if muscle else 'tendon'})")
         elif a not in ours:

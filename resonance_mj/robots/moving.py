@@ -55,8 +55,8 @@ def joints(
     idle = [j for j in rest if j not in driven]
     if idle and len(idle) < len(rest):
         notes.append(
-            f"joints {listed(names[j] for j in idle)} have no actuator in the file and are held; "
-            "robot.joints takes them in"
+            f"joints {listed(names[j] for j in idle)} are turned by no actuator of the file and "
+            "are held; robot.joints takes them in"
         )
         rest = [j for j in rest if j in driven]
     return rest

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..errors import ExperimentError, RobotError
 from ..experiments.experiment import Experiment
+from . import clearing, mjcf, payload, sound, task
 from . import home as homes
-from . import mjcf, payload, sound, task
 from .compiling import compile_spec
 from .tool import Tool
 from .warned import heard
@@ -137,6 +137,9 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         _set_options(spec, experiment, arm)
         arm.model.opt.disableflags = spec.option.disableflags
         home = homes.chosen(given, arm)
+        if given.contacts:
+            arm.at_home.qpos[arm.model.jnt_qposadr[arm.joint_id]] = home
+            clearing.let_overlaps_pass(spec, arm.model, arm.at_home, notes)
         axes = task.axes(experiment.task.coordinates, arm, home)
         _check_lengths(experiment, joints, axes, path)
         n = len(joints)

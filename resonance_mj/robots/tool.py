@@ -63,9 +63,10 @@ def find_tools(
     ]
     if given is None:
         chosen = _found(model, branches, at_ends, path, notes)
-        if len(branches) > 1:
+        worth = [one for one in branches if one is branches[0] or len(one.names) > 1]
+        if len(worth) > 1:
             notes.append(
-                f"arms: {arms.described(branches)}; the first is taken, robot.arm or robot.tool "
+                f"arms: {arms.described(worth)}; the first is taken, robot.arm or robot.tool "
                 "takes another"
             )
     else:
