@@ -14,6 +14,7 @@ import resonance_mj as rmj
 from resonance_mj.evaluation.inspection import inspect
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.robots import mjcf, source
+from resonance_mj.robots.decompiling import spec_of
 from resonance_mj.robots.robot import build
 from resonance_mj.robots.warned import heard
 
@@ -486,3 +487,95 @@ def test_a_urdf_keeps_its_efforts_as_limits_and_a_mimicked_joint_is_named(tmp_pa
                                              'multiplier="2"/></joint></robot>'))  # fmt: skip
     assert "'elbow'" in refused(path)
     assert "'shoulder'" in refused(path)
+
+
+# Other forms of a robot than one file of text
+
+
+def alike(one, other):
+    """Whether two robots are the same arm."""
+    assert one.joints == other.joints
+    for field in ("home", "inertia", "jacobian", "torque_limit", "position"):
+        np.testing.assert_allclose(getattr(one, field), getattr(other, field), atol=1e-12)
+
+
+@pytest.mark.parametrize("form", ["mjb", "MjSpec", "MjModel", "folder", "scene", "named"])
+def test_a_compiled_model_a_spec_and_a_folder_are_the_robot_that_they_hold(
+    tmp_path, monkeypatch, form
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    home = '<keyframe><key name="home" qpos=".3 -.7"/></keyframe>'
+    path = written(
+        tmp_path / "robot", drive='ctrlrange="-3 3"', shoulder='damping=".4 .1"', rest=home
+    )
+    given = str(path.parent)
+    if form == "mjb":
+        given = str(tmp_path / "arm.mjb")
+        mujoco.mj_saveModel(mujoco.MjModel.from_xml_path(str(path)), given)
+    elif form == "MjSpec":
+        given = mujoco.MjSpec.from_file(str(path))
+    elif form == "MjModel":
+        given = mujoco.MjModel.from_xml_path(str(path))
+    elif form == "scene":
+        scene = '<mujoco><include file="arm.xml"/></mujoco>'
+        (path.parent / "scene.xml").write_text(scene)
+    elif form == "named":
+        written(tmp_path / "robot", "hand.xml")
+        path.rename(path.with_name("robot.xml"))
+        path = path.with_name("robot.xml")
+    experiment = for_robot(given)
+    alike(build(experiment), build(for_robot(str(path))))
+    assert rmj.load("paper").replace({"robot.mjcf": given}).robot.mjcf == experiment.robot.mjcf
+    assert rmj.Experiment(name="a", robot={"mjcf": given}).robot == experiment.robot
+    run = rmj.simulate(experiment.replace({"motion.0.duration": 2.0}))
+    assert run.status is rmj.Status.OK
+    assert len(inspect(experiment).joints) == 2
+
+
+def test_a_compiled_model_is_taken_apart_whole(tmp_path):
+    """The same accelerations, contacts included, of what is compiled anew from its parts."""
+    more = (
+        '<tendon><spatial name="rope" stiffness="9"><site site="tool"/><geom geom="bulb"/>'
+        '<site site="peg"/></spatial>'
+        '<fixed name="sum"><joint joint="elbow" coef="2"/></fixed></tendon>'
+        '<equality><joint joint1="elbow" joint2="shoulder" polycoef="0 .5 0 0 0"/></equality>'
+        '<actuator><muscle joint="elbow" lengthrange="-1 1"/><position tendon="sum" kp="3"/>'
+        '<motor site="tool" refsite="peg" gear="1 0 0 0 0 0"/></actuator>'
+        '<contact><exclude body1="upper" body2="ball"/></contact>'
+    )
+    mesh(tmp_path / "a.obj")
+    path = written(
+        tmp_path,
+        head='<asset><mesh name="a" file="a.obj"/></asset>',
+        scene=FLOOR + '<body name="ball" pos="0 0 .1"><freejoint/><geom size=".15"/></body>'
+        '<site name="peg" pos="0 0 1"/><geom name="bulb" size=".1" pos="0 0 .6"/>',
+        geom='/><geom type="mesh" mesh="a" pos=".1 0 0" euler=".1 .2 .3"',
+        shoulder='stiffness="3 1" springref=".2" frictionloss=".1" ref=".1"',
+        rest=more,
+    )
+    original = mujoco.MjModel.from_xml_path(str(path))
+    again = spec_of(original, "arm").compile()
+    found = []
+    for model in (original, again):
+        data = mujoco.MjData(model)
+        rng = np.random.default_rng(3)
+        data.qpos += 0.1 * rng.standard_normal(model.nq)
+        data.qvel[:], data.ctrl[:] = rng.standard_normal(model.nv), 0.3
+        mujoco.mj_forward(model, data)
+        found.append((data.ncon, data.nefc, data.qacc))
+    assert found[0][:2] == found[1][:2]
+    assert found[0][0] > 0
+    np.testing.assert_allclose(found[0][2], found[1][2], rtol=1e-6, atol=1e-6)
+
+
+def test_a_damaged_or_incomplete_compiled_model_and_a_folder_of_several_robots_are_refused(
+    tmp_path,
+):
+    (tmp_path / "arm.mjb").write_bytes(b"MJB" * 100)
+    assert "arm.mjb: MuJoCo rejects it" in refused(tmp_path / "arm.mjb")
+    path = written(tmp_path / "two", scene=CLOTH.replace("<edge equality='true'/>", ""))
+    with heard():
+        mujoco.mj_saveModel(mujoco.MjModel.from_xml_path(str(path)), str(tmp_path / "cloth.mjb"))
+    assert "has flex, which cannot be taken out" in refused(tmp_path / "cloth.mjb")
+    written(tmp_path / "two", "other.xml")
+    assert "a folder with several robots" in refused(tmp_path / "two")

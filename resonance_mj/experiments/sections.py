@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ..text import shown
+from .model_objects import as_file
 from .section import Alone, Angles, Bound, Finite, Name, Numbers, Positive, Section, Stiffness
 
 
 class Robot(Section):
     """Which arm, which of its points follows the motion, and where it starts."""
 
-    mjcf: Name
-    """A path, or the name of a file in mjcf/."""
+    mjcf: Annotated[Name, BeforeValidator(as_file)]
+    """A path, or the name of a file in mjcf/; in Python an MjSpec or MjModel as well."""
     tool: Name | None = None
     """The site or body that follows the motion; found if not given."""
     arm: Name | None = None

@@ -10,6 +10,10 @@ import mujoco
 
 from ..errors import RobotError
 from . import names, urdf, warned
+from .decompiling import spec_of
+
+COMPILED = ".mjb"
+"""Ending of a file that holds a compiled model."""
 
 _turn = threading.Lock()
 
@@ -36,6 +40,8 @@ def parse(
         # From a relative path it does not find meshes that lie beside a file that is included.
         if urdf.is_urdf(path):
             spec = urdf.read(path, packages, [] if notes is None else notes)
+        elif path.suffix == COMPILED:
+            spec = spec_of(mujoco.MjModel.from_binary_path(str(path)), str(path))
         else:
             spec = mujoco.MjSpec.from_file(str(path.absolute()))
     except (ValueError, mujoco.FatalError) as error:

@@ -18,7 +18,7 @@ from ..errors import RobotError
 from ..experiments.sections import Robot
 from ..files import is_file
 from ..text import listed, shown
-from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound
+from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound, source
 from .compiling import compile_spec, parse
 from .tool import Tool, find_tools
 
@@ -83,6 +83,13 @@ def find(mjcf: str) -> Path:
         return built_in[mjcf]
     if is_file(mjcf):
         return Path(mjcf)
+    if mjcf and Path(mjcf).is_dir() and (inside := source.robots_in(Path(mjcf))):
+        if len(inside) == 1:
+            return inside[0]
+        raise RobotError(
+            f"robot.mjcf = {shown(mjcf)}: a folder with several robots; give one of "
+            f"{listed(map(str, inside))}"
+        )
     raise RobotError(
         f"robot.mjcf = {shown(mjcf)}: no such file; give the path of an MJCF file or one of "
         f"{listed(built_in)}"
