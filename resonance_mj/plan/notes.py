@@ -99,27 +99,34 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
 def _unstable_feedback(
     name: str, experiment: Experiment, kinematics: Kinematics, gains: Gains, joints: JointMotion
 ) -> list[str]:
-    """Feedback that is unstable when sampled: an eigenvalue of M⁻¹ (Jᵀ K_v J + G) above 2/dt."""
-    limit = 2.0 / experiment.simulation.timestep
-    highest = max(
-        float(
-            np.linalg.eigvals(
-                np.linalg.solve(
-                    kinematics.inertia(q), J.T @ (gains.k_v[:, None] * J) + gains.feedback
-                )
-            ).real.max()
-        )
-        for q, J in ((q, kinematics.jacobian(q)) for q in _poses(joints))
-    )
+    """Feedback that is unstable when sampled: a mode of Jᵀ K_v J + G + D faster than 2/dt.
+
+    MuJoCo's integrators but RK4 take the joints' damping D implicitly, as if M were M + D dt.
+    """
+    dt, by_hand = experiment.simulation.timestep, experiment.law.k_v is not None
+    limit, D = 2.0 / dt, np.diag(kinematics.robot.damping)
+    implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
+    constant = D if gains.feedback.any() else 0 * D  # of G what law.omega does not scale
+    highest, most = 0.0, np.inf
+    for q in _poses(joints):
+        J, M = kinematics.jacobian(q), kinematics.inertia(q) + implicit * D
+        scaled = J.T @ (gains.k_v[:, None] * J) + gains.feedback - constant
+        highest = max(highest, _fastest(M, scaled + constant + D))
+        most = min(most, 1.0 / max(_fastest(limit * M - D - constant, scaled), 1e-300))
     if highest <= limit:
         return []
     k_v = experiment.law.k_v
-    key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
+    key, value = ("law.k_v", np.max(k_v)) if by_hand else ("law.omega", gains.omega)
     return [
         f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
         f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
-        f"{value * limit / highest:.3g}"
+        f"{value * most:.3g}"
     ]
+
+
+def _fastest(mass: np.ndarray, damping: np.ndarray) -> float:
+    """The largest eigenvalue of mass⁻¹ damping [1/s]."""
+    return float(np.linalg.eigvals(np.linalg.solve(mass, damping)).real.max())
 
 
 def _diverging(
