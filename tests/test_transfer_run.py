@@ -8,6 +8,7 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import library
+from resonance_mj.experiments.loading import for_robot
 
 
 @cache
@@ -79,14 +80,12 @@ def test_a_joint_that_stands_still_gets_no_stiffness_and_stays_stable():
     assert found.data["stiffness"].values[-1, -1] < 1e-3
 
 
-@pytest.mark.parametrize("damping", [2.0, 20.0])
+@pytest.mark.parametrize("damping", [2.0, 20.0, 500.0])
 def test_damped_joints_follow_their_path_because_the_gain_has_their_damping(tmp_path, damping):
     text = library.robots()["two_link.xml"].read_text()
     assert text.count("damping=") == 2
     (tmp_path / "arm.xml").write_text(re.sub(r'damping="[^"]*"', f'damping="{damping}"', text))
-    experiment = rmj.load("two-link-transfer").replace(
-        {"robot.mjcf": str(tmp_path / "arm.xml"), "motion.0.duration": 25.0, "motion.1.duration": 1}
-    )
+    experiment = for_robot(str(tmp_path / "arm.xml"))
     found = rmj.simulate(experiment, strict=True).summary()["segments"][0]
     assert found["tracking_rms"] < 1e-4
-    assert found["cycles_to_optimum"] <= 12
+    assert found["cycles_to_optimum"] <= 10

@@ -103,7 +103,7 @@ def _unstable_feedback(
 
     MuJoCo's integrators but RK4 take the joints' damping D implicitly, as if M were M + D dt.
     """
-    dt, by_hand = experiment.simulation.timestep, experiment.law.k_v is not None
+    dt, k_v = experiment.simulation.timestep, experiment.law.k_v
     limit, D = 2.0 / dt, np.diag(kinematics.robot.damping)
     implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
     constant = D if gains.feedback.any() else 0 * D  # of G what law.omega does not scale
@@ -115,8 +115,7 @@ def _unstable_feedback(
         most = min(most, 1.0 / max(_fastest(limit * M - D - constant, scaled), 1e-300))
     if highest <= limit:
         return []
-    k_v = experiment.law.k_v
-    key, value = ("law.k_v", np.max(k_v)) if by_hand else ("law.omega", gains.omega)
+    key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
     return [
         f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
         f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
