@@ -11,9 +11,11 @@ from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
+from ..robots.touching import touching
 from ..springs.optimum import Optimum
+from ..text import length, percent
 
-NEAR_SINGULAR = 0.02
+NEAR_SINGULAR = 0.05
 """Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
 
 POSES = 40
@@ -45,6 +47,8 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
                 f"{name} comes near a singular pose: the smallest singular value of J falls to "
                 f"{nearest:.1e} of its largest"
             )
+        said += _beyond_ranges(name, kinematics.robot, joints)
+        said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
     return said
 
@@ -75,6 +79,28 @@ def unstable(
 
 def _poses(joints: JointMotion) -> np.ndarray:
     return joints.q[:: max(1, len(joints.q) // POSES)]
+
+
+def _beyond_ranges(name: str, robot: Robot, joints: JointMotion) -> list[str]:
+    """Joints that a motion takes beyond the ends of their ranges."""
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    least, most = joints.q.min(axis=0), joints.q.max(axis=0)
+    return [
+        f"{name} takes {robot.joints[j]} from {least[j]:.3g} to {most[j]:.3g}, beyond its range, "
+        f"{low[j]:.3g} to {high[j]:.3g}: give another center, size or home"
+        for j in np.flatnonzero(((least < low) | (most > high)) & robot.limited)
+    ]
+
+
+def _touching(name: str, robot: Robot, joints: JointMotion) -> list[str]:
+    """What touches along a motion."""
+    found = touching(robot.model, robot.qpos, robot.qpos_address, _poses(joints))
+    return [
+        f"{name} makes {touch.first} touch {touch.second}, up to {length(touch.depth)} deep, for "
+        f"{percent(touch.share, 0)} of it: give another center, size or home, or "
+        "robot.contacts = false, with which bodies pass through each other"
+        for touch in found
+    ]
 
 
 def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:

@@ -107,6 +107,12 @@ class Robot:
         return self.model.dof_damping[self.dof_address]
 
     @property
+    def limited(self) -> np.ndarray:
+        """Whether each joint is stopped at the ends of its range (n,)."""
+        stops = not self.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT
+        return self.model.jnt_limited[self.joint_id].astype(bool) & stops
+
+    @property
     def rotates(self) -> bool:
         """Whether the task has rotation, its last three coordinates."""
         return self.axes[-1] == "rz"
