@@ -38,7 +38,7 @@ def plain(tmp_path_factory):
 def test_a_tool_that_follows_its_path_is_ok_and_at_the_optimum(plain):
     assert plain.status is Status.OK
     assert plain.message == ""
-    assert plain.motions[0].verdict == "at the optimum"
+    assert plain.motions[0].verdict == "at optimum"
     assert plain.motions[0].tracks[-1]
 
 
@@ -53,7 +53,7 @@ def test_a_limp_arm_does_not_track_and_is_not_at_any_optimum(tmp_path):
     assert run.status is Status.NOT_TRACKING
     assert found["tracking_rms"] > 0.02 * run.motions[0].size
     assert found["cycles_to_optimum"] is None
-    assert run.motions[0].verdict == "off the path"
+    assert run.motions[0].verdict == "off path"
     assert "does not follow motion 1" in run.message
 
 
@@ -150,7 +150,7 @@ def test_the_command_ends_with_1_and_says_why(tmp_path):
         text=True,
     )
     assert ended.returncode == 1
-    assert "off the path" in ended.stdout
+    assert "off path" in ended.stdout
     assert ended.stderr.count("\n") == 1
     assert "not tracking" in ended.stderr
 

@@ -86,7 +86,7 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     if "rotation_rms" in run.data:
         alone("rotation RMS [mrad]", [_small(one["rotation_rms"]) for one in found])
     alone("first cycle at the optimum", [_reached(motion) for motion in motions])
-    alone("in its last cycle", [_verdict(motion) for motion in motions])
+    alone("the last cycle is", [_verdict(motion) for motion in motions])
     return drawn
 
 

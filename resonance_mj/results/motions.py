@@ -102,11 +102,11 @@ class MotionOfRun:
         if not len(self.cycles):
             return NOTHING
         if not self.tracks[-1]:
-            return "off the path"
+            return "off path"
         if self.cycles_to_optimum or not self.torque_squared_without_springs > 0:
-            return "at the optimum"
+            return "at optimum"
         below = self.torque_squared[-1] < self.torque_squared_optimal
-        return "below the optimum" if below else "above the optimum"
+        return "below optimum" if below else "above optimum"
 
     def summary(self) -> dict[str, Any]:
         """The motion's figures in its last whole cycle beside the optimum's, as in summary.json.
