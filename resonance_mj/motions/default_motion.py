@@ -144,12 +144,10 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
             f"{worst:.2g}, and at the center {usual:.2g}"
         )
     model = robot.model
-    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
-        return ""
     low, high = model.jnt_range[robot.joint_id].T
     # Where the center itself is nearer to a limit, half of its distance is kept.
     margin = np.minimum(LIMITS * (high - low), _to_limit(middle, low, high) / 2)
-    near = (_to_limit(q, low, high) < margin) & model.jnt_limited[robot.joint_id].astype(bool)
+    near = (_to_limit(q, low, high) < margin) & robot.limited
     if near.any():
         j = int(np.argmax(near.any(axis=0)))
         return (
