@@ -128,7 +128,7 @@ def _without_gripper(
     before, body, found = len(joints), tip, len(joints)
     while body > 0:
         fingers = len(joints) - before
-        named = before > base and all(grips[before:])
+        named = before > base and all(grips[before:]) and not all(grips)
         small = fingers <= FINGER_JOINTS or mass[child] < FINGER_MASS * mass[model.body_rootid[tip]]
         if spread[body] > 1 and fingers and (named or (small and before - base >= fingers)):
             found = before
