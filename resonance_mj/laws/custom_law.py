@@ -21,7 +21,7 @@ from ..springs.fit import Bounds, LinearSprings
 from ..text import cut, listed, one_line
 from .controller import Command, standard
 from .learning import Cycle, Learned
-from .own import own as views
+from .memory import own as views
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""
