@@ -119,7 +119,8 @@ class Plan:
         A robot that comes with the program is known by its name and the program's version.
         """
         built_in = self.robot.path in library.robots().values()
-        return gather(self.experiment, [] if built_in else source.files(self.robot.path))
+        files = [] if built_in else source.files(self.robot.path, self.experiment.robot.packages)
+        return gather(self.experiment, files)
 
     @property
     def layout(self) -> Layout:
@@ -200,6 +201,8 @@ class Plan:
         return (
             experiment.robot.mjcf,
             experiment.robot.tool,
+            experiment.robot.arm,
+            experiment.robot.joints,
             experiment.task,
             experiment.simulation.integrator,
             self.law.command,
