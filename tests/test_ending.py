@@ -117,7 +117,7 @@ def _motion_of(run):
 
 
 WEAK = (
-    '<actuator><motor joint="joint1" ctrlrange="-8 8"/><motor joint="joint2" ctrlrange="-8 8"/>'
+    '<actuator><motor joint="joint1" ctrlrange="-1 1"/><motor joint="joint2" ctrlrange="-1 1"/>'
     "</actuator>"
 )
 
@@ -125,7 +125,7 @@ WEAK = (
 def test_weak_motors_are_named_with_their_share_of_the_cycle(tmp_path):
     run = rmj.simulate(an_arm(tmp_path, motors=WEAK))
     assert run.status is Status.NOT_TRACKING
-    assert re.search(r"joint\d's motor is at its limit, -8 to 8 N m, for \d+", run.message)
+    assert re.search(r"joint\d's motor is at its limit, -1 to 1 N m, for \d+", run.message)
     assert "motion.0.period" in run.message
 
 

@@ -69,9 +69,11 @@ def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learn
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
-    return learning.learned_torque(
+    """What the motors can give of it: more would be learned without end, and never exerted."""
+    v = learning.learned_torque(
         cycle.u, cycle.y, gain=gains.learning, lead=gains.lead, harmonics=gains.harmonics
     )
+    return np.clip(v, *gains.torque_limit.T)
 
 
 def _printed(cycle: Cycle, q: np.ndarray, gains: Gains, experiment: Experiment) -> Learned:
