@@ -35,6 +35,8 @@ class Kinematics:
         self._full = np.zeros((6, self._model.nv))
         self._linear = self._full[:3]
         self._angular = self._full[3:] if robot.rotates else None
+        self._square, self._solution = np.empty((robot.m, robot.m)), np.empty(robot.m)
+        self._diagonal = self._square.ravel()[:: robot.m + 1]
         self._of_task = _span(robot.coordinate), _span(robot.dof_address)
         self._body = int(robot.model.site_bodyid[robot.site])
 
@@ -86,7 +88,7 @@ class Kinematics:
         for _ in range(iterations):
             if away < TOLERANCE:
                 break
-            step = _inverse(J, error, damping)
+            step = self._inverse(J, error, damping)
             longest = max(map(abs, step.tolist()))
             limited = q + (step if longest <= 0.2 else step * (0.2 / longest))
             new_error, new_J = self._error(limited, x)
@@ -186,7 +188,7 @@ class Kinematics:
                 )
             if m < n:
                 home = to_home * (self.robot.home - q[i])
-                guess = q[i] + home + _inverse(J[i], ahead[i] - J[i] @ home, 1e-12)
+                guess = q[i] + home + self._inverse(J[i], ahead[i] - J[i] @ home, 1e-12)
             else:
                 guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
         # The singular values' squares: three times faster than they themselves.
@@ -242,9 +244,7 @@ class Kinematics:
         mujoco.mj_comPos(self._model, self._data)
 
     def _J(self) -> np.ndarray:  # noqa: N802
-        mujoco.mj_jacSite(
-            self._model, self._data, self._linear, self._angular, self.robot.site
-        )
+        mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self.robot.site)
         return self._task_rows()
 
     def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
@@ -271,23 +271,21 @@ class Kinematics:
         rotations.rotation_vector(desired, self._orientation, error[-3:])
         return error, self._J()
 
+    def _inverse(self, J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
+        """J⁺ times a vector, Jᵀ (J Jᵀ + damping I)⁻¹ e, by MuJoCo's own: m is small."""
+        step, square, solution = np.empty(self.robot.n), self._square, self._solution
+        mujoco.mju_mulMatMatT(square, J, J)
+        self._diagonal += damping
+        mujoco.mju_cholFactor(square, 1e-15)
+        mujoco.mju_cholSolve(solution, square, error)
+        mujoco.mju_mulMatTVec(step, J, solution)
+        return step
+
 
 def _span(numbers: np.ndarray) -> slice | np.ndarray:
     """Numbers in a row as a slice, which is faster to index with; others as they are."""
     first, last = int(numbers[0]), int(numbers[-1]) + 1
     return slice(first, last) if np.array_equal(numbers, np.arange(first, last)) else numbers
-
-
-def _inverse(J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
-    """J⁺ times a vector, Jᵀ (J Jᵀ + damping I)⁻¹ e, by MuJoCo's own: m is small."""
-    m, n = J.shape
-    square, solved, inverse = np.empty((m, m)), np.empty(m), np.empty(n)
-    mujoco.mju_mulMatMatT(square, J, J)
-    square.ravel()[:: m + 1] += damping
-    mujoco.mju_cholFactor(square, 1e-15)
-    mujoco.mju_cholSolve(solved, square, error)
-    mujoco.mju_mulMatTVec(inverse, J, solved)
-    return inverse
 
 
 def _point(x: np.ndarray, robot: Robot) -> str:
