@@ -50,7 +50,7 @@ class CustomLaw:
         Args:
             cycle: the last one; `learn` gets copies of its signals.
             parameters: `law.parameters`.
-            bounds: of the springs, about the centre.
+            bounds: of the springs.
 
         Raises:
             ExperimentError: it raises, or what it returns is not of the documented shapes or not

@@ -82,7 +82,7 @@ def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bound
         v: what is learned from a cycle, before anything is handed over (N, n) [N m].
         q: joint angles of that cycle (N, n) [rad].
         springs: at the end of it.
-        bounds: what springs may be, about the mean joint angle, where their centre is put.
+        bounds: what springs may be; their centre is put at the mean joint angle.
     """
     total = v + springs.torque(q)
     best = fit(q, total, bounds, center=q.mean(axis=0))

@@ -11,7 +11,7 @@ from ..plan.plan import Plan
 from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
-from .loading import load_law, load_motion
+from .loading import load_law, load_motion, load_springs
 from .recording import Recording
 from .stepper import Stepper
 
@@ -115,8 +115,7 @@ class Member:
                 q_s=plan.q_s,
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
-            for name, value in zip(_SPRINGS, springs, strict=True):
-                memory[name][index] = value
+            load_springs(memory, index, springs, plan.experiment.springs)
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
 

@@ -24,7 +24,18 @@ class Bounds(Protocol):
 
     @property
     def equilibrium(self) -> tuple[float, float]:
-        """Least and greatest q_e - q_c [rad]; infinite for none."""
+        """Least and greatest equilibrium angle [rad]; infinite for none."""
+
+    @property
+    def equilibrium_about(self) -> str:
+        """ "center" if these are of q_e - q_c, "zero" if of q_e."""
+
+
+def reach(bounds: Bounds, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest q_e - q_c of springs about a center q_c (n,): (n,), (n,) [rad]."""
+    low, high = bounds.equilibrium
+    origin = center if bounds.equilibrium_about == "zero" else np.zeros_like(center)
+    return low - origin, high - origin
 
 
 class LinearSprings(NamedTuple):
@@ -53,7 +64,7 @@ def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -
     Args:
         q: joint angles over a cycle, equally spaced in time (N, n) [rad].
         torque: torque along it, of motor and spring together (N, n) [N m].
-        bounds: of the stiffness, and of the equilibrium angle about `center`.
+        bounds: of the stiffness and of the equilibrium angle.
         center: q_c, about which the offset torque is given (n,) [rad].
 
     Note:
@@ -85,12 +96,12 @@ def feasible(
     mean = wanted.center
     variance = ((q - mean) ** 2).mean(axis=0)
     shift = mean - center
-    low, high = bounds.equilibrium
+    low, high = reach(bounds, center)
     k, b = np.empty_like(mean), np.empty_like(mean)
     for j in range(len(mean)):
-        reach = low - shift[j], high - shift[j]
+        ends = low[j] - shift[j], high[j] - shift[j]
         k[j], b[j] = spring.nearest(
-            wanted.stiffness[j], wanted.offset[j], *bounds.stiffness, *reach, variance[j]
+            wanted.stiffness[j], wanted.offset[j], *bounds.stiffness, *ends, variance[j]
         )
     return LinearSprings(k, b, mean).about(center)
 

@@ -87,7 +87,7 @@ def best_springs(
         torque: torque that the motion needs, of motor and spring together (N, n) [N m].
         center: q_c, about which the offset torque is given (n,) [rad].
         period: cycle time [s].
-        bounds: of the springs, about `center`.
+        bounds: of the springs.
     """
     best = fit(q, torque, bounds, center)
     return Optimum(best, period, q, torque - best.torque(q), torque)
