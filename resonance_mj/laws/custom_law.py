@@ -16,8 +16,9 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..experiments.law_section import KINDS
+from ..experiments.sections import Springs
 from ..files import read_text
-from ..springs.fit import Bounds, LinearSprings
+from ..springs.fit import LinearSprings
 from ..text import cut, listed, one_line
 from .controller import Command, standard
 from .learning import Cycle, Learned
@@ -44,7 +45,7 @@ class CustomLaw:
     learn: Callable[..., Any] | None
     file: str
 
-    def learned(self, cycle: Cycle, parameters: tuple[float, ...], bounds: Bounds) -> Learned:
+    def learned(self, cycle: Cycle, parameters: tuple[float, ...], bounds: Springs) -> Learned:
         """What the file's `learn` returns for a cycle.
 
         Args:

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..springs.fit import Bounds, LinearSprings, fit, spring_like_part
+from ..experiments.sections import Springs
+from ..springs.fit import LinearSprings, fit, spring_like_part
 
 
 class Cycle(NamedTuple):
@@ -72,7 +73,7 @@ def learn(
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
 
-def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bounds) -> Learned:
+def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Springs) -> Learned:
     """Hand the springs what springs can do: the total torque stays as it is.
 
     Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -10,7 +12,6 @@ import numpy as np
 from ..errors import MotionError
 from ..robots.robot import Robot
 from . import rotations
-from .joint_motion import JointMotion, periodic_rate
 from .motion import Samples
 
 TOLERANCE = 1e-11
@@ -18,6 +19,17 @@ TOLERANCE = 1e-11
 
 SINGULAR = 1e-3
 """Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
+
+
+class JointMotion(NamedTuple):
+    """A joint motion over one cycle."""
+
+    q: np.ndarray
+    """Joint angles q_d (N, n) [rad]."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
+    ddq: np.ndarray
+    """Joint accelerations (N, n) [rad/s^2]."""
 
 
 class Kinematics:
@@ -37,8 +49,7 @@ class Kinematics:
         self._angular = self._full[3:] if robot.rotates else None
         self._square, self._solution = np.empty((robot.m, robot.m)), np.empty(robot.m)
         self._diagonal = self._square.ravel()[:: robot.m + 1]
-        self._of_task = _span(robot.coordinate), _span(robot.dof_address)
-        self._body = int(robot.model.site_bodyid[robot.site])
+        self._of_task = np.ix_(robot.coordinate, robot.dof_address)
 
     def position(self, q: np.ndarray) -> np.ndarray:
         """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad].
@@ -130,35 +141,32 @@ class Kinematics:
                 f"{name}: the joints do not return to where they began: after one cycle they are "
                 f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
             )
-        if m == n:
-            return self._rates(samples, q, J)
-        dq = periodic_rate(q, period)
-        return JointMotion(q, dq, periodic_rate(dq, period))
+        return self._with_rates(samples, q, J, lambda signal: _periodic_rate(signal, period))
 
     def passage(
         self, samples: Samples, start: np.ndarray, length: float, name: str, alpha_0: float = 10.0
     ) -> JointMotion:
         """Joint motion of a task-space motion that ends elsewhere than it begins.
 
-        Args:
-            samples: the motion.
-            start: joint angles near which the branch is looked for (n,) [rad].
-            length: how long it takes [s].
-            name: how messages call the motion.
-            alpha_0: rate at which the posture is taken back [1/s].
-
-        Raises:
-            MotionError: the motion leaves the arm's reach or passes through a singular pose.
+        Arguments and errors as of `follow`; `length` is how long the motion takes [s].
         """
         q, J = self._cycle(samples, start, length, name, alpha_0)
-        if self.robot.m == self.robot.n:
-            return self._rates(samples, q, J)
         dt = length / len(q)
-        dq = np.gradient(q, dt, axis=0, edge_order=2)
-        return JointMotion(q, dq, np.gradient(dq, dt, axis=0, edge_order=2))
+        return self._with_rates(
+            samples, q, J, lambda signal: np.gradient(signal, dt, axis=0, edge_order=2)
+        )
 
-    def _rates(self, samples: Samples, q: np.ndarray, J: np.ndarray) -> JointMotion:
-        """Joint angles with the velocities and accelerations that a task of n coordinates sets."""
+    def _with_rates(
+        self,
+        samples: Samples,
+        q: np.ndarray,
+        J: np.ndarray,
+        rate: Callable[[np.ndarray], np.ndarray],
+    ) -> JointMotion:
+        """Joint angles with their rates: those that a task of n coordinates sets, else `rate`'s."""
+        if self.robot.m < self.robot.n:
+            dq = rate(q)
+            return JointMotion(q, dq, rate(dq))
         dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
         drift = np.array([self._J_dot(*state) @ state[1] for state in zip(q, dq, strict=True)])
         ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
@@ -211,8 +219,8 @@ class Kinematics:
         """
         bent = 0.3 * (-1.0) ** np.arange(len(start))
         for guess in (start, start + bent, start - bent):
-            q = self.solve(x, guess)
-            if np.linalg.norm(self._error(q, x)[0]) < 1e3 * TOLERANCE:
+            q, error, _ = self._solved(x, guess)
+            if np.linalg.norm(error) < 1e3 * TOLERANCE:
                 return q
         return self.solve(x, start)
 
@@ -245,20 +253,16 @@ class Kinematics:
 
     def _J(self) -> np.ndarray:  # noqa: N802
         mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self.robot.site)
-        return self._task_rows()
+        return self._full[self._of_task]
 
     def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
         model, data = self._model, self._data
         self._place(q)
         data.qvel[self.robot.dof_address] = dq
         mujoco.mj_comVel(model, data)
-        at = data.site_xpos[self.robot.site]
-        mujoco.mj_jacDot(model, data, self._full[:3], self._full[3:], at, self._body)
-        return self._task_rows()
-
-    def _task_rows(self) -> np.ndarray:
-        rows, columns = self._of_task
-        return self._full[rows][:, columns].copy()
+        body = int(model.site_bodyid[self.robot.site])
+        mujoco.mj_jacDot(model, data, self._linear, self._angular, self._at, body)
+        return self._full[self._of_task]
 
     def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""
@@ -280,6 +284,12 @@ class Kinematics:
         mujoco.mju_cholSolve(solution, square, error)
         mujoco.mju_mulMatTVec(step, J, solution)
         return step
+
+
+def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
+    """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
+    before_last, last, following, second = (np.roll(values, k, axis=0) for k in (2, 1, -1, -2))
+    return (8 * (following - last) - (second - before_last)) / (12 * (period / len(values)))
 
 
 def _span(numbers: np.ndarray) -> slice | np.ndarray:

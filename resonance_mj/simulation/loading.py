@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from ..errors import ExperimentError
+from ..experiments.sections import Springs
 from ..laws.memory import Memory
 from ..plan.plan import Plan
-from ..springs.fit import Bounds, LinearSprings, reach
+from ..springs.fit import LinearSprings, reach
 from ..text import shown
 
 
@@ -51,7 +52,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         memory.scalar(name)[index] = value
 
 
-def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bounds) -> None:
+def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Springs) -> None:
     """Write the springs that act, and how far from their centre they may go, into the memory."""
     for name, value in zip(("stiffness", "offset", "q_c"), springs, strict=True):
         memory[name][index] = value

@@ -8,34 +8,12 @@ who exerts it: the transfer law, the optimum and the certificates all ask the sa
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
+from ..experiments.sections import Springs
 from . import spring
-
-
-class Bounds(Protocol):
-    """What springs may be."""
-
-    @property
-    def stiffness(self) -> tuple[float, float]:
-        """Least and greatest k [N m/rad]."""
-
-    @property
-    def equilibrium(self) -> tuple[float, float]:
-        """Least and greatest equilibrium angle [rad]; infinite for none."""
-
-    @property
-    def equilibrium_about(self) -> str:
-        """ "center" if these are of q_e - q_c, "zero" if of q_e."""
-
-
-def reach(bounds: Bounds, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest q_e - q_c of springs about a center q_c (n,): (n,), (n,) [rad]."""
-    low, high = bounds.equilibrium
-    origin = center if bounds.equilibrium_about == "zero" else np.zeros_like(center)
-    return low - origin, high - origin
 
 
 class LinearSprings(NamedTuple):
@@ -58,7 +36,7 @@ class LinearSprings(NamedTuple):
         return LinearSprings(self.stiffness, offset, center)
 
 
-def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -> LinearSprings:
+def fit(q: np.ndarray, torque: np.ndarray, bounds: Springs, center: np.ndarray) -> LinearSprings:
     """The feasible constant springs that leave the least ∫(τ - τ_s)ᵀ(τ - τ_s) dt of a torque τ.
 
     Args:
@@ -73,6 +51,13 @@ def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -
     return feasible(asked_for(q, torque), q, bounds, center)
 
 
+def reach(bounds: Springs, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest q_e - q_c of springs about a center q_c (n,): (n,), (n,) [rad]."""
+    low, high = bounds.equilibrium
+    origin = center if bounds.equilibrium_about == "zero" else np.zeros_like(center)
+    return low - origin, high - origin
+
+
 def asked_for(q: np.ndarray, torque: np.ndarray) -> LinearSprings:
     """What `fit` would take if springs had no bounds: about the mean angle, by least squares."""
     mean = q.mean(axis=0)
@@ -83,9 +68,9 @@ def asked_for(q: np.ndarray, torque: np.ndarray) -> LinearSprings:
 
 
 def feasible(
-    wanted: LinearSprings, q: np.ndarray, bounds: Bounds, center: np.ndarray
+    wanted: LinearSprings, q: np.ndarray, bounds: Springs, center: np.ndarray
 ) -> LinearSprings:
-    """The feasible springs nearest to others in the metric of the cost; arguments as in `fit`.
+    """The feasible springs nearest to `wanted` in the metric of the cost; arguments as in `fit`.
 
     Args:
         wanted: about the mean angle, where stiffness and offset do not interact in the cost.
@@ -93,17 +78,12 @@ def feasible(
         bounds: of the springs.
         center: q_c.
     """
-    mean = wanted.center
+    k, b, mean = wanted
+    low, high = (end - (mean - center) for end in reach(bounds, center))
     variance = ((q - mean) ** 2).mean(axis=0)
-    shift = mean - center
-    low, high = reach(bounds, center)
-    k, b = np.empty_like(mean), np.empty_like(mean)
-    for j in range(len(mean)):
-        ends = low[j] - shift[j], high[j] - shift[j]
-        k[j], b[j] = spring.nearest(
-            wanted.stiffness[j], wanted.offset[j], *bounds.stiffness, *ends, variance[j]
-        )
-    return LinearSprings(k, b, mean).about(center)
+    each = zip(k, b, low, high, variance, strict=True)
+    found = [spring.nearest(k, b, *bounds.stiffness, *ends) for k, b, *ends in each]
+    return LinearSprings(*np.array(found).T, mean).about(center)
 
 
 def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
