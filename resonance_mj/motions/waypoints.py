@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,25 +24,8 @@ LARGEST = 1e6
 """Size up to which a number is valid."""
 
 
-class Waypoints(NamedTuple):
-    """The knots of one cycle, without a repeated first row at the end."""
-
-    phase: np.ndarray
-    """When each is passed, in cycles, from 0 to below 1 (N,)."""
-    x: np.ndarray
-    """The waypoints (N, m) [m, rad]."""
-
-    def spline(self) -> CubicSpline:
-        """The closed curve x(phase), with continuous first and second derivatives."""
-        # Imported here: no other motion needs it, and it takes longer than the rest of the start.
-        from scipy.interpolate import CubicSpline
-
-        closed = np.vstack([self.x, self.x[:1]])
-        return CubicSpline(np.append(self.phase, 1.0), closed, bc_type="periodic")
-
-
-def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoints:
-    """Read and check a CSV of waypoints.
+def read(file: str, axes: tuple[str, ...], period: float, name: str) -> CubicSpline:
+    """The closed curve x(phase) through a CSV's waypoints, smooth to the second derivative.
 
     A header names the columns: each of the task's positions, its rotation if the tool is to turn,
     and `t` [s] or `phase` [cycles] if the rows are not equally spaced over the cycle; without a
@@ -102,7 +85,11 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
             f"{FEWEST} waypoints are needed"
         )
     _check_seam(x, axes, f"{where}: line {numbers[-2 if repeats else -1]}")
-    return Waypoints(phase, x)
+    # Imported here: no other motion needs it, and it takes longer than the rest of the start.
+    from scipy.interpolate import CubicSpline
+
+    closed = np.vstack([x, x[:1]])
+    return CubicSpline(np.append(phase, 1.0), closed, bc_type="periodic")
 
 
 def _lines(file: str, name: str) -> list[tuple[int, list[str]]]:
