@@ -1,11 +1,14 @@
 """The transfer law on the paper's arm: at the optimum in ten cycles, and there to stay."""
 
+import re
 from functools import cache
 
 import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj import library
+from resonance_mj.experiments.loading import for_robot
 
 
 @cache
@@ -75,3 +78,14 @@ def test_a_joint_that_stands_still_gets_no_stiffness_and_stays_stable():
     assert found.status is rmj.Status.OK, found.message
     assert found.data["q"].values[-1000:, -1].std() < 1e-4
     assert found.data["stiffness"].values[-1, -1] < 1e-3
+
+
+@pytest.mark.parametrize("damping", [2.0, 20.0, 500.0])
+def test_damped_joints_follow_their_path_because_the_gain_has_their_damping(tmp_path, damping):
+    text = library.robots()["two_link.xml"].read_text()
+    assert text.count("damping=") == 2
+    (tmp_path / "arm.xml").write_text(re.sub(r'damping="[^"]*"', f'damping="{damping}"', text))
+    experiment = for_robot(str(tmp_path / "arm.xml"))
+    found = rmj.simulate(experiment, strict=True).summary()["segments"][0]
+    assert found["tracking_rms"] < 1e-4
+    assert found["cycles_to_optimum"] <= 10

@@ -91,7 +91,7 @@ class OfMotion(Section):
     """What a motion must show in its last whole cycle."""
 
     status: Status | None = None
-    """How it must end: ok if all its cycles are simulated, or diverged."""
+    """How it must end: ok if all its cycles are simulated and the tool follows its path."""
     stiffness: Figure = None
     """k [N m/rad], for slide joints [N/m]."""
     offset: Figure = None
@@ -135,7 +135,7 @@ class Expect(OfMotion):
     """What a run must show; the figures are those of each of its motions."""
 
     status: Status = Status.OK
-    """How the run must end: ok, or diverged."""
+    """How the run must end: ok, not tracking, in contact or diverged."""
     motion: tuple[OfMotion, ...] = ()
     """What single motions must show besides: a table [[expect.motion]] for each, in order."""
     versions: dict[str, str] | None = None

@@ -49,8 +49,9 @@ class Gains:
 def gains(experiment: Experiment, robot: Robot) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
-    Without K_v and K_p the feedback is -ω M̂ y with M̂ = M(q_home), so that one number serves
-    every robot; without β the law learns η times the feedback torque itself.
+    Without K_v and K_p the feedback is -(ω M̂ + D) y with M̂ = M(q_home) and D the joints' own
+    damping, so that one number serves every robot: a motor that drives a damped joint needs D q̇
+    beside M q̈. Without β the law learns η times the feedback torque itself.
     """
     law, n, m = experiment.law, robot.n, robot.m
     dt = experiment.simulation.timestep
@@ -58,7 +59,7 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     omega = law.omega if law.omega is not None else min(BANDWIDTH, 0.1 / dt)
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
-    inertial = omega * robot.inertia
+    inertial = omega * robot.inertia + np.diag(robot.damping)
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))
     if law.follows_joints:

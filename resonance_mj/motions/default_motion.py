@@ -141,8 +141,6 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
             f"{worst:.2g}, and at the center {usual:.2g}"
         )
     model = robot.model
-    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
-        return ""
     low, high = model.jnt_range[robot.joint_id].T
 
     def to_limit(angles: np.ndarray) -> np.ndarray:
@@ -150,7 +148,7 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
 
     # Where the center itself is nearer to a limit, half of its distance is kept.
     margin = np.minimum(LIMITS * (high - low), to_limit(middle) / 2)
-    near = (to_limit(q) < margin) & model.jnt_limited[robot.joint_id].astype(bool)
+    near = (to_limit(q) < margin) & robot.limited
     if near.any():
         j = int(np.argmax(near.any(axis=0)))
         return (

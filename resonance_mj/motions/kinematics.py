@@ -20,6 +20,8 @@ TOLERANCE = 1e-11
 SINGULAR = 1e-3
 """Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
 
+_NO_STOPS = int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT)
+
 
 class JointMotion(NamedTuple):
     """A joint motion over one cycle."""
@@ -227,12 +229,16 @@ class Kinematics:
     def torque(self, motion: JointMotion) -> np.ndarray:
         """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).
 
+        Without the forces of contacts and of the ends of the joints' ranges: these are none that
+        a motor or a spring has to bear, but what a motion must keep away from.
+
         Returns:
             Torque (N, n) [N m].
         """
         robot, model, data = self.robot, self._model, self._data
-        springs = model.jnt_stiffness[robot.joint_id]
+        springs, flags = model.jnt_stiffness[robot.joint_id], model.opt.disableflags
         model.jnt_stiffness[robot.joint_id] = 0.0
+        model.opt.disableflags |= _NO_STOPS
         try:
             torque = np.empty_like(motion.q)
             for i in range(len(torque)):
@@ -244,6 +250,7 @@ class Kinematics:
                 torque[i] = data.qfrc_inverse[robot.dof_address]
         finally:
             model.jnt_stiffness[robot.joint_id] = springs
+            model.opt.disableflags = flags
         return torque
 
     def _place(self, q: np.ndarray) -> None:

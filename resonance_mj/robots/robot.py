@@ -102,6 +102,17 @@ class Robot:
         return (self.model.jnt_type[self.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)).astype(int)
 
     @property
+    def damping(self) -> np.ndarray:
+        """Viscous damping of each joint (n,) [N m s/rad]."""
+        return self.model.dof_damping[self.dof_address]
+
+    @property
+    def limited(self) -> np.ndarray:
+        """Whether each joint is stopped at the ends of its range (n,)."""
+        stops = not self.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT
+        return self.model.jnt_limited[self.joint_id].astype(bool) & stops
+
+    @property
     def rotates(self) -> bool:
         """Whether the task has rotation, its last three coordinates."""
         return self.axes[-1] == "rz"

@@ -78,7 +78,7 @@ def along(
         np.concatenate([Jt @ (gains.k_p[:, None] * J), Jt @ (gains.k_v[:, None] * J)], axis=-1)
         + gains.feedback @ C
     )
-    D = np.diag(robot.model.dof_damping[robot.dof_address])
+    D = np.diag(robot.damping)
     integrate = _RK4 if experiment.simulation.integrator == "RK4" else _semi_implicit
     A, B = integrate(M, D, np.diag(stiffness), dt)
     A = A - B @ F
