@@ -319,7 +319,7 @@ RANGE = {"springs.equilibrium": [-2.0, 2.5], "springs.equilibrium_about": "zero"
 
 
 def best_within_range(q, torque, low=-2.0, high=2.5):
-    """Stiffness k and k q_e of springs with k >= 0 and q_e in [low, high], by SciPy, joint by joint.
+    """Stiffness k >= 0, and k q_e with q_e in [low, high], of the best springs, by SciPy.
 
     Such a spring is a sum, with factors of at least 0, of two: one with its equilibrium at each end
     of the range.

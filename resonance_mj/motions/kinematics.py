@@ -159,11 +159,7 @@ class Kinematics:
         )
 
     def _with_rates(
-        self,
-        samples: Samples,
-        q: np.ndarray,
-        J: np.ndarray,
-        rate: Callable[[np.ndarray], np.ndarray],
+        self, samples: Samples, q: np.ndarray, J: np.ndarray, rate: Callable[..., np.ndarray]
     ) -> JointMotion:
         """Joint angles with their rates: those that a task of n coordinates sets, else `rate`'s."""
         if self.robot.m < self.robot.n:
@@ -182,8 +178,9 @@ class Kinematics:
         q, J = np.empty((steps, n)), np.empty((steps, m, n))
 
         def where(i: int) -> str:
-            at = _point(samples.x[i], self.robot)
-            return f"{i / steps * period:.3f} s into the cycle, at {at}"
+            position = zip(self.robot.position_axes, samples.x[i], strict=False)
+            at = ", ".join(f"{axis} = {value:.3f}" for axis, value in position)
+            return f"{i / steps * period:.3f} s into the cycle, at ({at}) m"
 
         guess = self._unfolded(samples.x[0], start)
         ahead = np.diff(samples.x, axis=0, append=samples.x[:1])
@@ -227,13 +224,10 @@ class Kinematics:
         return self.solve(x, start)
 
     def torque(self, motion: JointMotion) -> np.ndarray:
-        """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).
+        """Torque τ_d(0, 0, t) (N, n) [N m] that a motion needs without springs, by (2).
 
         Without the forces of contacts and of the ends of the joints' ranges: these are none that
         a motor or a spring has to bear, but what a motion must keep away from.
-
-        Returns:
-            Torque (N, n) [N m].
         """
         robot, model, data = self.robot, self._model, self._data
         springs, flags = model.jnt_stiffness[robot.joint_id], model.opt.disableflags
@@ -303,8 +297,3 @@ def _span(numbers: np.ndarray) -> slice | np.ndarray:
     """Numbers in a row as a slice, which is faster to index with; others as they are."""
     first, last = int(numbers[0]), int(numbers[-1]) + 1
     return slice(first, last) if np.array_equal(numbers, np.arange(first, last)) else numbers
-
-
-def _point(x: np.ndarray, robot: Robot) -> str:
-    position = zip(robot.position_axes, x, strict=False)
-    return "(" + ", ".join(f"{axis} = {value:.3f}" for axis, value in position) + ") m"

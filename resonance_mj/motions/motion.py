@@ -55,15 +55,12 @@ def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
         for part in parts:
             part[:, :count] = part[:, :count] @ R.T
         parts[0][:, :count] += at
-    x, dx, ddx = parts
-    if robot.rotates:
-        if motion.rotation_sin or motion.rotation_cos:
-            rows = motion.rotation_sin, motion.rotation_cos
-            turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
-            for part, more in zip(parts, turn, strict=True):
-                part[:, -3:] += more
-        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
-    return Samples(x, dx, ddx, robot.rotates)
+    if motion.rotation_sin or motion.rotation_cos:
+        rows = motion.rotation_sin, motion.rotation_cos
+        turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
+        for part, more in zip(parts, turn, strict=True):
+            part[:, -3:] += more
+    return _samples(*parts, robot.rotates)
 
 
 def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "motion") -> Motion:
@@ -130,15 +127,20 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     x = before.x + sigma * gap
     dx = before.dx + sigma * d_gap + d_sigma * gap
     ddx = before.ddx + sigma * dd_gap + 2 * d_sigma * d_gap + dd_sigma * gap
-    if after.rotates:
-        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
-    return Samples(x, dx, ddx, after.rotates)
+    return _samples(x, dx, ddx, after.rotates)
 
 
 def in_a_row(parts: list[Samples]) -> Samples:
     """Motions of one task that follow each other, as one."""
     x, dx, ddx = (np.concatenate([part[i] for part in parts]) for i in range(3))
     return Samples(x, dx, ddx, parts[0].rotates)
+
+
+def _samples(x: np.ndarray, dx: np.ndarray, ddx: np.ndarray, rotates: bool) -> Samples:
+    """Samples of rates that are, of a rotation, those of its rotation vector."""
+    if rotates:
+        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+    return Samples(x, dx, ddx, rotates)
 
 
 Rows = tuple[tuple[float, ...], ...]
@@ -215,7 +217,7 @@ def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
     if motion.shape == "csv":
         key = _key(motion, robot)
         curve = _CURVES.get(key) or waypoints.read(*key, "motion")
-        phase, T = np.arange(steps) / steps, motion.period  # noqa: N806
+        phase, T = np.arange(steps) / steps, motion.period
         return curve(phase), curve(phase, 1) / T, curve(phase, 2) / T**2
     parts = _polygon(motion, steps) if motion.shape == "polygon" else _curve(motion, steps)
     x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
@@ -228,17 +230,13 @@ def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
 
 
 def _curve(motion: Motion, steps: int) -> Parts:
-    """An ellipse, line or eight about its center, in its plane (N, 2).
-
-    An ellipse is a cos, b sin; an eight is a sin, b sin of twice the angle; a line is sin in both.
-    """
+    """An ellipse, line or eight about its center, in its plane (N, 2)."""
     a, b = motion.size or (0.0, 0.0)
-    sin: Rows = ((a,), (b,))
-    cos: Rows = ()
-    if motion.shape == "ellipse":
-        sin, cos = ((0.0,), (b,)), ((a,), (0.0,))
-    elif motion.shape == "eight":
-        sin = ((a, 0.0), (0.0, b))
+    sin, cos = {
+        "ellipse": (((0.0,), (b,)), ((a,), (0.0,))),
+        "line": (((a,), (b,)), ()),
+        "eight": (((a, 0.0), (0.0, b)), ()),
+    }[motion.shape]
     return _fourier((0.0, 0.0), sin, cos, motion.period, steps)
 
 

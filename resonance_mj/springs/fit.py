@@ -78,12 +78,12 @@ def feasible(
         bounds: of the springs.
         center: q_c.
     """
-    k, b, mean = wanted
+    mean = wanted.center
     low, high = (end - (mean - center) for end in reach(bounds, center))
     variance = ((q - mean) ** 2).mean(axis=0)
-    each = zip(k, b, low, high, variance, strict=True)
-    found = [spring.nearest(k, b, *bounds.stiffness, *ends) for k, b, *ends in each]
-    return LinearSprings(*np.array(found).T, mean).about(center)
+    each = zip(wanted.stiffness, wanted.offset, low, high, variance, strict=True)
+    k, b = np.transpose([spring.nearest(k, b, *bounds.stiffness, *more) for k, b, *more in each])
+    return LinearSprings(k, b, mean).about(center)
 
 
 def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:
