@@ -198,8 +198,8 @@ class Plan:
         robot, motion = self.experiment.robot, self.experiment.motion
         arm = robot.mjcf, robot.tool, self.robot.payload, self.experiment.task
         how = self.experiment.simulation.integrator, self.law.command, self.layout
-        blends, steps = zip(*((one.blend, self.steps(i)) for i, one in enumerate(motion)))
-        return (*arm, *how, blends, steps, tuple(self.schedule))
+        cycles = tuple((one.blend, self.steps(i)) for i, one in enumerate(motion))
+        return (*arm, *how, cycles, tuple(self.schedule))
 
     def refuse_unstable(self) -> None:
         """Raise a StabilityError if something will diverge."""
