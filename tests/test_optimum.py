@@ -3,6 +3,7 @@
 import functools
 import math
 
+import mujoco
 import numpy as np
 import pytest
 import two_link
@@ -11,6 +12,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize, nnls
 
 import resonance_mj as rmj
+from resonance_mj.motions.kinematics import Kinematics
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.springs.optimum import best_springs
 
 Q_C = np.array([-0.5, -2.0])
@@ -348,3 +351,27 @@ def test_optimum_within_a_range_of_the_joints_own_angle_is_that_of_bounded_least
 def test_optimum_ends_where_the_range_does():
     found = rmj.optimum(rmj.load("paper").replace(PHYSICAL | RANGE))[1]
     assert found.equilibrium[0] == pytest.approx(2.5, abs=1e-12)
+
+
+def test_what_mujoco_warns_of_meanwhile_is_kept_for_the_notes_and_off_the_screen(
+    monkeypatch, capfd, tmp_path
+):
+    """Whoever asks first, for the optimum or for the notes."""
+    torque = Kinematics.torque
+
+    def warns(self, motion):
+        model = mujoco.MjModel.from_xml_string(
+            "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+        )
+        data = mujoco.MjData(model)
+        data.qpos[0] = math.nan
+        mujoco.mj_step(model, data)
+        return torque(self, motion)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Kinematics, "torque", warns)
+    plan = plan_for(rmj.load("paper"))
+    assert plan.optima
+    assert [line for line in plan.notes if line.startswith("MuJoCo warns: Nan")]
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
