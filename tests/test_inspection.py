@@ -52,7 +52,7 @@ LIFT = """
       </body>
     </body>
   </worldbody>
-  <actuator><motor joint="lift" ctrlrange="-90 90"/></actuator>
+  <actuator><motor joint="lift" ctrlrange="-90 90"/><motor joint="swing"/></actuator>
   <keyframe><key name="home" qpos="0.1 0.3"/></keyframe>
 </mujoco>
 """

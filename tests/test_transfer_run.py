@@ -89,3 +89,23 @@ def test_damped_joints_follow_their_path_because_the_gain_has_their_damping(tmp_
     found = rmj.simulate(experiment, strict=True).summary()["segments"][0]
     assert found["tracking_rms"] < 1e-4
     assert found["cycles_to_optimum"] <= 10
+
+
+def test_an_arm_of_millimetres_and_milligrams_reaches_its_optimum_though_it_falls_fast(tmp_path):
+    (tmp_path / "arm.xml").write_text(
+        """<mujoco><compiler angle="radian"/><worldbody>
+        <body><joint name="j1" axis="0 -1 0" damping="2e-11"/>
+          <geom type="capsule" size="2e-4" fromto="0 0 0 .003 0 0" mass="1e-6"/>
+          <inertial pos=".0015 0 0" mass="1e-6" diaginertia="3e-12 3e-12 3e-12"/>
+          <body pos=".003 0 0"><joint name="j2" axis="0 -1 0" damping="2e-11"/>
+            <geom type="capsule" size="2e-4" fromto="0 0 0 .0025 0 0" mass="1e-6"/>
+            <inertial pos=".0012 0 0" mass="1e-6" diaginertia="2e-12 2e-12 2e-12"/>
+            <site name="tool" pos=".0025 0 0"/></body></body></worldbody>
+        <keyframe><key name="home" qpos="1.2 .8"/></keyframe></mujoco>"""
+    )
+    run = rmj.simulate(for_robot(str(tmp_path / "arm.xml")))
+    found = run.summary()["segments"][0]
+    assert run.status is rmj.Status.OK
+    assert found["cycles_to_optimum"] <= 12
+    slow = run.experiment.replace({"law.alpha": 10.0, "law.omega": 60.0})
+    assert rmj.simulate(slow).status is not rmj.Status.OK

@@ -158,7 +158,7 @@ def _written_out(complete: Experiment, robot: Robot, gains: Gains, tool: Tool) -
     home = given.home if isinstance(given.home, str) else robot.home.tolist()
     coordinates = [*robot.position_axes, *(["rotation"] if robot.rotates else [])]
     changes = {
-        "robot.mjcf": str(path.resolve()) if path.is_file() else given.mjcf,
+        "robot.mjcf": str(path.resolve()) if path.exists() else given.mjcf,
         "robot.tool": tool.name,
         "robot.home": home,
         "task.coordinates": coordinates,

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from ..experiments.experiment import Experiment
 from ..experiments.sections import Springs
 from ..springs.fit import LinearSprings, fit, spring_like_part
+from .gains import Gains
 
 
 class Cycle(NamedTuple):
@@ -34,6 +37,10 @@ class Learned(NamedTuple):
     """Learned torque (N, n) [N m]."""
     springs: LinearSprings
     """That it begins with."""
+
+
+Learn = Callable[[Cycle, Gains, Experiment], Learned]
+"""Torque and springs of the next cycle, from the last, the gains and the experiment."""
 
 
 def learn(

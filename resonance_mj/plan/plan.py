@@ -117,7 +117,8 @@ class Plan:
         A robot that comes with the program is known by its name and the program's version.
         """
         built_in = self.robot.path in library.robots().values()
-        return gather(self.experiment, [] if built_in else source.files(self.robot.path))
+        files = [] if built_in else source.files(self.robot.path, self.experiment.robot.packages)
+        return gather(self.experiment, files)
 
     @property
     def layout(self) -> Layout:
@@ -196,10 +197,10 @@ class Plan:
     def fits_with(self) -> tuple[object, ...]:
         """Equal for experiments that one batch can step together."""
         robot, motion = self.experiment.robot, self.experiment.motion
-        arm = robot.mjcf, robot.tool, self.robot.payload, self.experiment.task
+        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload
         how = self.experiment.simulation.integrator, self.law.command, self.layout
         cycles = tuple((one.blend, self.steps(i)) for i, one in enumerate(motion))
-        return (*arm, *how, cycles, tuple(self.schedule))
+        return (*arm, self.experiment.task, *how, cycles, tuple(self.schedule))
 
     def refuse_unstable(self) -> None:
         """Raise a StabilityError if something will diverge."""

@@ -25,6 +25,36 @@ class Touch(NamedTuple):
     share: float
 
 
+FAR = 3
+"""What `distance` gives for bodies of which none is the other's neighbour."""
+
+
+def distance(model: mujoco.MjModel, first: int, second: int) -> int:
+    """How many joints' bodies lie from one geom to the other: 1 for parent and child, at most FAR.
+
+    Of what does not move only the robot's own base is near, and what of the world is no ground.
+
+    Args:
+        model: of the arm, what is held welded to what holds it.
+        first: id of a geom.
+        second: id of the other one.
+    """
+    grounds = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
+    if min(first, second) < 0 or any(model.geom_type[geom] in grounds for geom in (first, second)):
+        return FAR
+    bodies = sorted(int(model.geom_bodyid[geom]) for geom in (first, second))
+    near, far = (int(model.body_weldid[body]) for body in bodies)
+    if near > far:
+        near, far, bodies = far, near, bodies[::-1]
+    if bodies[0] and model.body_rootid[bodies[0]] != model.body_rootid[bodies[1]]:
+        return FAR
+    for steps in range(1, FAR):
+        far = int(model.body_weldid[model.body_parentid[far]])
+        if far == near:
+            return steps if bodies[0] or steps == 1 else FAR
+    return FAR
+
+
 def touching(
     model: mujoco.MjModel, qpos: np.ndarray, addresses: np.ndarray, positions: np.ndarray
 ) -> list[Touch]:
@@ -43,24 +73,33 @@ def touching(
     depths: dict[tuple[str, str], dict[int, float]] = {}
     for sample, q in enumerate(positions):
         data.qpos[addresses] = q
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_flex(model, data)
-        mujoco.mj_collision(model, data)
-        for contact in data.contact:
-            if contact.exclude:
-                continue
-            geoms = sorted(contact.geom, key=lambda geom: model.geom_bodyid[geom])
-            first, second = (_called(model, int(geom)) for geom in geoms)
-            at = depths.setdefault((first, second), {})
-            at[sample] = max(at.get(sample, 0.0), -float(contact.dist))
+        for first, second, depth in contacts(model, data):
+            at = depths.setdefault((called(model, first), called(model, second)), {})
+            at[sample] = max(at.get(sample, 0.0), depth)
     found = [
         Touch(*pair, max(at.values()), len(at) / len(positions)) for pair, at in depths.items()
     ]
     return sorted(found, key=lambda touch: -touch.share)
 
 
-def _called(model: mujoco.MjModel, geom: int) -> str:
+def contacts(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[int, int, float]]:
+    """Ids of the two geoms of each contact in a pose, first that of the body nearer to the root.
+
+    With each the depth [m].
+    """
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_flex(model, data)
+    mujoco.mj_collision(model, data)
+    found = []
+    for contact in data.contact:
+        if not contact.exclude:
+            first, second = sorted(map(int, contact.geom), key=lambda geom: model.geom_bodyid[geom])
+            found.append((first, second, max(0.0, -float(contact.dist))))
+    return found
+
+
+def called(model: mujoco.MjModel, geom: int) -> str:
     """What carries a geom; a cloth or rope, which has no geom, is one that bends."""
     if geom < 0:
         return "a flexible body"

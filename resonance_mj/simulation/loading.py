@@ -43,7 +43,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("difference", chosen.velocity == "difference"),
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
-        ("alpha", law.alpha),
+        ("alpha", chosen.alpha),
         ("alpha_0", law.alpha_0),
         ("timestep", dt),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
