@@ -37,13 +37,13 @@ LIMITS = 0.05
 def filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:
     """The experiment with what it left open in its motions filled in."""
     robot = kinematics.robot
-    at_home = kinematics.position(robot.home)
-    motion = []
+    at_home, alpha_0 = kinematics.position(robot.home), experiment.law.alpha_0
+    filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"
-        fitting = motions.resolve(given, robot, at_home, name)
-        motion.append(sized(fitting, kinematics, name, experiment.law.alpha_0))
-    return experiment.model_copy(update={"motion": tuple(motion)})
+        motion = motions.resolve(given, robot, at_home, name)
+        filled.append(sized(motion, kinematics, name, alpha_0))
+    return experiment.model_copy(update={"motion": tuple(filled)})
 
 
 def sized(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float = 10.0) -> Motion:
@@ -111,16 +111,11 @@ def _middle(motion: Motion, kinematics: Kinematics, name: str) -> np.ndarray:
 
 
 def _obstacle(
-    motion: Motion,
-    kinematics: Kinematics,
-    middle: np.ndarray,
-    name: str,
-    alpha_0: float,
+    motion: Motion, kinematics: Kinematics, middle: np.ndarray, name: str, alpha_0: float
 ) -> str:
     """Why the arm cannot follow a motion with margin; empty if it can."""
     home = kinematics.robot.home
-    samples = motions.sample(motion, POINTS, kinematics.robot)
-    q = home
+    samples, q = motions.sample(motion, POINTS, kinematics.robot), home
     for x in samples.x[::GLANCE]:
         q = kinematics.solve(x, q, iterations=30)
         reason = _lacks_margin(q[None], middle, kinematics)
@@ -136,8 +131,10 @@ def _obstacle(
 def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> str:
     """Why joint angles (N, n) come too near to a singular pose or a joint limit; empty if not."""
     robot = kinematics.robot
-    usual = _conditioning(kinematics.jacobian(middle))
-    worst = min(_conditioning(kinematics.jacobian(angles)) for angles in q)
+    J = np.array([kinematics.jacobian(angles) for angles in (middle, *q)])
+    values = np.linalg.svd(J, compute_uv=False)
+    usual, *ratios = values[:, -1] / values[:, 0]
+    worst = min(ratios)
     if worst < CONDITIONING * usual:
         return (
             f"it comes near a singular pose, where the singular values of J have the ratio "
@@ -145,9 +142,13 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
         )
     model = robot.model
     low, high = model.jnt_range[robot.joint_id].T
+
+    def to_limit(angles: np.ndarray) -> np.ndarray:
+        return np.maximum(np.minimum(angles - low, high - angles), 0.0)
+
     # Where the center itself is nearer to a limit, half of its distance is kept.
-    margin = np.minimum(LIMITS * (high - low), _to_limit(middle, low, high) / 2)
-    near = (_to_limit(q, low, high) < margin) & robot.limited
+    margin = np.minimum(LIMITS * (high - low), to_limit(middle) / 2)
+    near = (to_limit(q) < margin) & robot.limited
     if near.any():
         j = int(np.argmax(near.any(axis=0)))
         return (
@@ -155,13 +156,3 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
             f"too near to the ends of its range, {low[j]:.3g} to {high[j]:.3g}"
         )
     return ""
-
-
-def _to_limit(q: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Distance to the nearer end of the range, 0 beyond it."""
-    return np.maximum(np.minimum(q - low, high - q), 0.0)
-
-
-def _conditioning(jacobian: np.ndarray) -> float:
-    values = np.linalg.svd(jacobian, compute_uv=False)
-    return float(values[-1] / values[0])
