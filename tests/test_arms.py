@@ -111,6 +111,9 @@ def test_usual_names_are_found_behind_prefixes_in_any_case(name, is_usual):
         ('<site name="a"/><site name="p_TCP" pos=".1 0 0"/>', "p_TCP"),
         ('<body name="wrist"><geom size=".01"/><site name="spot" pos=".1 0 0"/></body>', "spot"),
         ('<body name="tool0"/><site name="spot"/>', "tool0"),
+        ('<site name="near" pos=".1 0 0"/><site name="out" pos=".2 0 0"/>', "out"),
+        ('<body name="tip_"><site pos=".1 0 0"/></body>', "tip_"),
+        ('<body name="plate"><site pos=".1 0 0"/></body>', "unnamed_site1"),
         ('<body name="flange"/><body name="cam_tool"><body name="tool_camera"/></body>', "flange"),
         ('<site name="wrist_camera"/><body name="plate"><geom size=".01"/></body>', "plate"),
     ],
@@ -215,3 +218,24 @@ def test_no_home_is_at_a_joint_s_limit_or_beyond(tmp_path, home):
     np.testing.assert_array_equal(built(path, home="bent").home, [0, 1])
     np.testing.assert_array_equal(built(path, limits=False).home, [0, home])
     np.testing.assert_array_equal(built(ranged(tmp_path, 1.5)).home, [0, 1.5])
+
+
+@pytest.mark.parametrize(
+    "joints", [("yaw",), ("y", "yaw"), ("yaw", "a_shoulder", "a_elbow"), ("x",)]
+)
+def test_joints_of_one_body_of_which_some_are_held_move_as_in_the_file(tmp_path, joints):
+    key = '<keyframe><key name="home" qpos=".4 -.3 .9 .2 .5"/></keyframe>'
+    path = written(tmp_path, base(limb("a")), key)
+    robot = built(path, joints=list(joints))
+    original = mujoco.MjModel.from_xml_path(str(path))
+    data, there = mujoco.MjData(robot.model), mujoco.MjData(original)
+    for shift in (0.0, 0.6):
+        mujoco.mj_resetDataKeyframe(original, there, 0)
+        for joint in joints:
+            there.joint(joint).qpos += shift
+        data.qpos[:] = robot.qpos + shift
+        mujoco.mj_kinematics(original, there)
+        mujoco.mj_kinematics(robot.model, data)
+        np.testing.assert_allclose(
+            data.site("a_tcp").xpos, there.site("a_tcp").xpos, atol=1e-12, err_msg=str(shift)
+        )

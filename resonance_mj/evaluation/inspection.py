@@ -174,7 +174,9 @@ WORTH_CHANGING = (
     "name",
     "robot.mjcf",
     "robot.tool",
+    "robot.joints",
     "robot.home",
+    "robot.packages",
     "task.coordinates",
     "simulation.timestep",
     "motion.0.duration",
@@ -210,7 +212,7 @@ def _toml(found: Inspection) -> str:
     for key in WORTH_CHANGING:
         parent, _, last = key.rpartition(".")
         value = _at(values, key)
-        if value is None:
+        if value is None or value == ():
             continue
         if parent != section:
             section = parent

@@ -14,7 +14,10 @@ from . import chain
 from .names import is_gripper, is_leg, usual, words
 
 FINGER_JOINTS = 5
-"""Most joints of a gripper's finger."""
+"""Most joints of a gripper's finger, unless it is as light as that."""
+
+FINGER_MASS = 0.02
+"""Share of a robot's mass below which what spreads is a finger, however many joints it has."""
 
 
 @dataclass(frozen=True)
@@ -121,14 +124,16 @@ def _without_gripper(
     """
     base = len(chain.mobile_base(model, list(joints)))
     grips = [is_gripper(model.joint(j).name, model.body(model.jnt_bodyid[j]).name) for j in joints]
+    mass, child = model.body_subtreemass, tip
     before, body, found = len(joints), tip, len(joints)
     while body > 0:
         fingers = len(joints) - before
-        fits = before - base >= fingers or (before > base and all(grips[before:]))
-        if spread[body] > 1 and 0 < fingers <= FINGER_JOINTS and fits:
+        named = before > base and all(grips[before:]) and not all(grips)
+        small = fingers <= FINGER_JOINTS or mass[child] < FINGER_MASS * mass[model.body_rootid[tip]]
+        if spread[body] > 1 and fingers and (named or (small and before - base >= fingers)):
             found = before
         before -= int(model.body_jntnum[body])
-        body = int(model.body_parentid[body])
+        child, body = body, int(model.body_parentid[body])
     while found > 1 and grips[found - 1] and not all(grips[:found]):
         found -= 1
     return joints[:found]

@@ -25,7 +25,7 @@ def parse(
     *,
     visuals: bool = True,
 ) -> mujoco.MjSpec:
-    """A file as an editable model, in which every joint and body has a name.
+    """A file as an editable model, in which every joint, body and site has a name.
 
     Args:
         path: of the file.
@@ -53,6 +53,7 @@ def parse(
     spec.compiler.discardvisual = not (visuals or needed)
     names.name_all(spec.joints, "joint")
     names.name_all(spec.bodies, "body")
+    names.name_all(spec.sites, "site")
     return spec
 
 

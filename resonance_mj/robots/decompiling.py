@@ -25,7 +25,18 @@ ELSEWHERE = {
 }
 """Arrays of a model that an element calls otherwise."""
 
+PREFIX = {"joint": "jnt", "camera": "cam", "equality": "eq"}
+"""What the arrays of a kind of element begin with, where it is not the kind."""
+
 _TRN, _WRAP = mujoco.mjtTrn, mujoco.mjtWrap
+
+TARGET = {
+    _TRN.mjTRN_TENDON: "tendon",
+    _TRN.mjTRN_BODY: "body",
+    _TRN.mjTRN_SITE: "site",
+    _TRN.mjTRN_SLIDERCRANK: "site",
+}
+"""What an actuator acts on if not on a joint."""
 
 
 def spec_of(model: mujoco.MjModel, where: str) -> mujoco.MjSpec:
@@ -61,72 +72,61 @@ def spec_of(model: mujoco.MjModel, where: str) -> mujoco.MjSpec:
         )
     bodies = [spec.worldbody]
     for i in range(1, model.nbody):
-        body = bodies[model.body_parentid[i]].add_body(name=_name(model, "body", i))
-        bodies.append(body)
-        _copy(model, body, i, "body_")
+        body = _add(model, bodies[model.body_parentid[i]], "body", i)
         body.explicitinertial = bool(model.body_mass[i] > 0)
         body.mocap = bool(model.body_mocapid[i] >= 0)
-    for i in range(model.njnt):
-        joint = bodies[model.jnt_bodyid[i]].add_joint(name=_name(model, "joint", i))
-        _copy(model, joint, i, "jnt_")
-        _copy(model, joint, int(model.jnt_dofadr[i]), "dof_")
-        joint.ref = model.qpos0[model.jnt_qposadr[i]]
-        joint.springref = model.qpos_spring[model.jnt_qposadr[i]]
-    for i in range(model.ngeom):
-        geom = bodies[model.geom_bodyid[i]].add_geom(name=_name(model, "geom", i))
-        _copy(model, geom, i, "geom_")
-        if model.geom_dataid[i] >= 0:
-            geom.meshname = _name(model, "mesh", int(model.geom_dataid[i]))
-        if model.geom_matid[i] >= 0:
-            geom.rgba = model.mat_rgba[model.geom_matid[i]]
-    for i in range(model.nsite):
-        _copy(
-            model, bodies[model.site_bodyid[i]].add_site(name=_name(model, "site", i)), i, "site_"
-        )
-    for i in range(model.ncam):
-        _copy(
-            model, bodies[model.cam_bodyid[i]].add_camera(name=_name(model, "camera", i)), i, "cam_"
-        )
-    for i in range(model.nlight):
-        _copy(
-            model,
-            bodies[model.light_bodyid[i]].add_light(name=_name(model, "light", i)),
-            i,
-            "light_",
-        )
+        bodies.append(body)
+    for kind in ("joint", "geom", "site", "camera", "light"):
+        for i, carrier in enumerate(getattr(model, f"{PREFIX.get(kind, kind)}_bodyid")):
+            element = _add(model, bodies[carrier], kind, i)
+            if kind == "joint":
+                _copy(model, element, int(model.jnt_dofadr[i]), "dof_")
+                element.ref = model.qpos0[model.jnt_qposadr[i]]
+                element.springref = model.qpos_spring[model.jnt_qposadr[i]]
+            elif kind == "geom" and model.geom_dataid[i] >= 0:
+                element.meshname = _name(model, "mesh", model.geom_dataid[i])
+            if kind == "geom" and model.geom_matid[i] >= 0:
+                element.rgba = model.mat_rgba[model.geom_matid[i]]
     for signature in model.exclude_signature:
-        one, other = divmod(int(signature), 1 << 16)
-        spec.add_exclude(bodyname1=_name(model, "body", one), bodyname2=_name(model, "body", other))
+        one, other = (_name(model, "body", i) for i in divmod(int(signature), 1 << 16))
+        spec.add_exclude(bodyname1=one, bodyname2=other)
     for i in range(model.npair):
-        pair = spec.add_pair()
-        _copy(model, pair, i, "pair_")
-        pair.geomname1 = _name(model, "geom", int(model.pair_geom1[i]))
-        pair.geomname2 = _name(model, "geom", int(model.pair_geom2[i]))
+        pair = _add(model, spec, "pair", i)
+        pair.geomname1 = _name(model, "geom", model.pair_geom1[i])
+        pair.geomname2 = _name(model, "geom", model.pair_geom2[i])
     for i in range(model.ntendon):
-        tendon = spec.add_tendon(name=_name(model, "tendon", i))
-        _copy(model, tendon, i, "tendon_")
-        _wrap(model, tendon, i)
+        _wrap(model, _add(model, spec, "tendon", i), i)
     for i in range(model.neq):
-        tie = spec.add_equality(name=_name(model, "equality", i))
-        _copy(model, tie, i, "eq_")
-        kinds = {"mjEQ_JOINT": "joint", "mjEQ_TENDON": "tendon"}
-        of_site = model.eq_objtype[i] == int(mujoco.mjtObj.mjOBJ_SITE)
-        kind = kinds.get(mujoco.mjtEq(model.eq_type[i]).name, "site" if of_site else "body")
+        tie = _add(model, spec, "equality", i)
+        kind = mujoco.mjtEq(model.eq_type[i]).name.removeprefix("mjEQ_").lower()
+        if kind not in ("joint", "tendon"):
+            kind = mujoco.mjtObj(model.eq_objtype[i]).name.removeprefix("mjOBJ_").lower()
         tie.active = bool(model.eq_active0[i])
-        tie.name1, tie.name2 = (
-            _name(model, kind, int(one)) if one >= 0 else ""
-            for one in (model.eq_obj1id[i], model.eq_obj2id[i])
-        )
+        tie.name1 = _name(model, kind, model.eq_obj1id[i])
+        tie.name2 = _name(model, kind, model.eq_obj2id[i])
     for i in range(model.nu):
-        _actuate(model, spec.add_actuator(name=_name(model, "actuator", i)), i)
+        actuator, (one, other) = _add(model, spec, "actuator", i), model.actuator_trnid[i]
+        trn = _TRN(model.actuator_trntype[i])
+        actuator.target = _name(model, TARGET.get(trn, "joint"), one)
+        if trn == _TRN.mjTRN_SITE:
+            actuator.refsite = _name(model, "site", other)
+        elif trn == _TRN.mjTRN_SLIDERCRANK:
+            actuator.slidersite = _name(model, "site", other)
     for i in range(model.nkey):
-        _copy(model, spec.add_key(name=model.key(i).name), i, "key_")
+        _add(model, spec, "key", i)
     return spec
 
 
+def _add(model: mujoco.MjModel, parent: Any, kind: str, i: int) -> Any:
+    """Add the element that a row of a model's arrays describes."""
+    element = getattr(parent, f"add_{kind}")(name=_name(model, kind, i))
+    _copy(model, element, i, f"{PREFIX.get(kind, kind)}_")
+    return element
+
+
 def _name(model: mujoco.MjModel, kind: str, i: int) -> str:
-    """The name of an element; of the world's body that of MuJoCo."""
-    return str(getattr(model, kind)(i).name) or f"{UNNAMED}{kind}{i}"
+    """The name of an element, which all that others refer to get; none for no element."""
+    return "" if i < 0 else getattr(model, kind)(i).name or f"{UNNAMED}{kind}{i}"
 
 
 def _copy(model: mujoco.MjModel, element: Any, i: int, prefix: str) -> None:
@@ -153,17 +153,4 @@ def _wrap(model: mujoco.MjModel, tendon: Any, i: int) -> None:
         elif kind == _WRAP.mjWRAP_PULLEY:
             tendon.wrap_pulley(value)
         else:
-            side = _name(model, "site", int(value)) if value >= 0 else ""
-            tendon.wrap_geom(_name(model, "geom", what), side)
-
-
-def _actuate(model: mujoco.MjModel, actuator: Any, i: int) -> None:
-    _copy(model, actuator, i, "actuator_")
-    kind = _TRN(model.actuator_trntype[i])
-    of = {_TRN.mjTRN_TENDON: "tendon", _TRN.mjTRN_BODY: "body"}
-    of |= dict.fromkeys((_TRN.mjTRN_SITE, _TRN.mjTRN_SLIDERCRANK), "site")
-    one, other = map(int, model.actuator_trnid[i])
-    actuator.target = _name(model, of.get(kind, "joint"), one)
-    if other >= 0 and kind in (_TRN.mjTRN_SITE, _TRN.mjTRN_SLIDERCRANK):
-        field = "refsite" if kind == _TRN.mjTRN_SITE else "slidersite"
-        setattr(actuator, field, _name(model, "site", other))
+            tendon.wrap_geom(_name(model, "geom", what), _name(model, "site", int(value)))

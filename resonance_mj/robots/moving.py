@@ -66,10 +66,9 @@ def _driven(model: mujoco.MjModel) -> set[int]:
     """Ids of the joints that an actuator of the file acts on, itself or through a tendon."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
-    moment = np.zeros((model.nu, model.nv))
-    for a in range(model.nu):
-        first, count = data.moment_rowadr[a], data.moment_rownnz[a]
-        row = slice(first, first + count)
-        moment[a, data.moment_colind[row]] = data.actuator_moment[row]
-    reached = np.flatnonzero(np.abs(moment).max(axis=0, initial=0.0) > 0)
-    return set(model.dof_jntid[reached].tolist())
+    rows = [
+        slice(first, first + count)
+        for first, count in zip(data.moment_rowadr, data.moment_rownnz, strict=True)
+    ]
+    reached = [data.moment_colind[row][data.actuator_moment[row] != 0.0] for row in rows]
+    return set(model.dof_jntid[np.concatenate([[], *reached]).astype(int)].tolist())

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from ..errors import RobotError
 from ..text import listed, shown
@@ -88,7 +89,7 @@ def _found(
     path: Path,
     notes: list[str],
 ) -> Tool:
-    """The tool by its usual name, the only site, else the deepest body of the first arm."""
+    """The first arm's tool by its usual name, else a site, else the deepest body."""
     if not branches:
         for j in range(model.njnt):
             if chain.carries_spring(model, j):
@@ -113,12 +114,18 @@ def _found(
             tool = min(ranked, key=lambda pair: pair[0])[1]
             notes.append(f"tool: {kind} {tool.name!r}, found by its usual name")
             return tool
-    alone = [tool for tool in own if tool.kind == "site"]
-    if len(alone) == 1:
-        notes.append(f"tool: site {alone[0].name!r}, the only one on the arm's end")
-        return alone[0]
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    end = data.xanchor[branches[0].joints[-1]]
+    sites = [tool for tool in own if tool.kind == "site"]
+    named = [tool for tool in sites if not tool.name.startswith(UNNAMED)]
+    if sites:
+        best = max(named or sites, key=lambda tool: np.linalg.norm(data.site(tool.name).xpos - end))
+        why = "the only one" if len(sites) == 1 else "the farthest out"
+        notes.append(f"tool: site {best.name!r}, {why} on the arm's end")
+        return best
     best = max(
-        (tool for tool in own if tool.kind == "body"),
+        own,
         key=lambda tool: (
             not tool.name.startswith(UNNAMED),
             chain.depth(model, model.body(tool.name).id),

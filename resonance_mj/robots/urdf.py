@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
+import numpy as np
 
 from ..errors import RobotError
 from ..text import listed, shown
@@ -17,6 +18,8 @@ READABLE = (".stl", ".obj", ".msh")
 """Endings of meshes that MuJoCo reads."""
 
 IN_PACKAGE = re.compile(r"(?:package|model):/+([^/]+)/(.+)")
+
+_SIX = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 ROS_PATH = "ROS_PACKAGE_PATH"
 """The environment variable that lists folders of packages."""
@@ -67,6 +70,9 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
                     untouched.append(file.name)
                 if not readable or (shape.tag == "visual" and not file.is_file()):
                     link.remove(shape)
+    made = [str(link.get("name")) for link in root.iter("link") if _made_possible(link)]
+    if made:
+        notes.append(f"no body has such inertias, the nearest possible are taken: {listed(made)}")
     if untouched:
         notes.append(
             f"bodies do not touch where MuJoCo cannot read the mesh: {listed(sorted({*untouched}))}"
@@ -74,6 +80,29 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.modelfiledir = f"{path.absolute().parent}{os.sep}"
     return spec
+
+
+def _made_possible(link: ElementTree.Element) -> bool:
+    """Whether a link had an inertia that no body can have, and has the nearest possible now."""
+    inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
+    try:
+        kilograms = float("nan" if mass is None else mass.get("value", "nan"))
+        six = [float("nan" if inertia is None else inertia.get(key, "0")) for key in _SIX]
+    except ValueError:  # which MuJoCo says better
+        return False
+    if inertia is None or not kilograms > 0 or not (any(six) and np.isfinite(six).all()):
+        return False
+    xx, xy, xz, yy, yz, zz = six
+    moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    least = 1e-6 * max(moments[2], kilograms * 1e-3)
+    possible = np.maximum(moments, least)
+    possible[:2] += max(0.0, possible[2] - possible[0] - possible[1]) * 0.5000001
+    if (possible <= moments).all():
+        return False
+    whole = axes @ np.diag(possible) @ axes.T
+    for key, value in zip(_SIX, whole[np.triu_indices(3)], strict=True):
+        inertia.set(key, repr(float(value)))
+    return True
 
 
 def _child(parent: ElementTree.Element, tag: str) -> ElementTree.Element:
