@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj.errors import MotionError
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.status import Status
 
@@ -64,13 +65,32 @@ def test_a_run_too_short_to_learn_does_not_track_and_is_told_to_go_on(tmp_path):
 
 
 def test_an_arm_that_lies_on_the_floor_says_so_and_its_optimum_has_no_floor(tmp_path, plain):
-    run = rmj.simulate(an_arm(tmp_path, beside=GROUND.format(0.1, "")))
+    ground = GROUND.format(0.1, "")
+    run = rmj.simulate(an_arm(tmp_path, _motion_of(plain), beside=ground))
     assert run.status in (Status.NOT_TRACKING, Status.DIVERGED)
     assert "ground touches link" in run.message
     assert "robot.contacts" in run.message
     assert any("ground" in note and "motion.0 makes" in note for note in run.plan.notes)
-    free = rmj.optimum(an_arm(tmp_path))[0]
-    np.testing.assert_allclose(run.plan.optima[0].stiffness, free.stiffness, rtol=1e-9)
+    np.testing.assert_allclose(
+        run.plan.optima[0].stiffness, plain.plan.optima[0].stiffness, rtol=1e-9
+    )
+
+
+def test_a_motion_of_no_size_keeps_clear_of_what_stands_in_the_way(tmp_path, plain):
+    lowest = plain.motions[0].samples["x_desired"].values[:, 1].min()
+    beside = GROUND.format(lowest - 0.01, "")
+    run = rmj.simulate(an_arm(tmp_path, beside=beside))
+    assert run.status is Status.OK
+    assert run.motions[0].size < 0.9 * plain.motions[0].size
+    with pytest.raises(MotionError, match=r"ground touches link.*robot\.contacts"):
+        rmj.simulate(an_arm(tmp_path, beside=GROUND.format(0.1, "")))
+
+
+def test_a_motion_of_no_size_is_one_that_the_motors_can_make_with_springs(tmp_path, plain):
+    weak = WEAK.replace("1", "0.3").replace("joint0.3", "joint1")
+    run = rmj.simulate(an_arm(tmp_path, motors=weak))
+    assert run.motions[0].size < 0.9 * plain.motions[0].size
+    assert np.abs(run.plan.optima[0].torque).max() < 0.3
 
 
 def test_a_light_touch_that_leaves_the_path_as_it_is_has_a_status_of_its_own(tmp_path, plain):
@@ -89,12 +109,13 @@ def test_without_contacts_the_arm_passes_through_and_nothing_is_said(tmp_path):
     assert not any("touch" in note for note in run.notes)
 
 
-def test_ranges_read_as_degrees_are_named_with_the_cure(tmp_path):
-    run = rmj.simulate(
-        an_arm(tmp_path, angle="degree", range1=' range="-3 3"', range2=' range="-2.5 2.5"')
-    )
-    assert run.status is Status.NOT_TRACKING
-    assert "joint1 is at the end of its range, -0.0524 to 0.0524" in run.message
+def test_ranges_read_as_degrees_are_named_with_the_cure(tmp_path, plain):
+    degrees = {"angle": "degree", "range1": ' range="-3 3"', "range2": ' range="-2.5 2.5"'}
+    with pytest.raises(MotionError, match=r'joint1 and joint2: less.*compiler angle="radian"/>'):
+        rmj.simulate(an_arm(tmp_path, **degrees))
+    run = rmj.simulate(an_arm(tmp_path, _motion_of(plain), **degrees))
+    assert run.status is not Status.OK
+    assert "is at the end of its range, -0.0524 to 0.0524" in run.message
     assert '<compiler angle="radian"/>' in run.message
 
 
@@ -117,7 +138,7 @@ def _motion_of(run):
 
 
 WEAK = (
-    '<actuator><motor joint="joint1" ctrlrange="-8 8"/><motor joint="joint2" ctrlrange="-8 8"/>'
+    '<actuator><motor joint="joint1" ctrlrange="-1 1"/><motor joint="joint2" ctrlrange="-1 1"/>'
     "</actuator>"
 )
 
@@ -125,7 +146,7 @@ WEAK = (
 def test_weak_motors_are_named_with_their_share_of_the_cycle(tmp_path):
     run = rmj.simulate(an_arm(tmp_path, motors=WEAK))
     assert run.status is Status.NOT_TRACKING
-    assert re.search(r"joint\d's motor is at its limit, -8 to 8 N m, for \d+", run.message)
+    assert re.search(r"joint\d's motor is at its limit, -1 to 1 N m, for \d+", run.message)
     assert "motion.0.period" in run.message
 
 

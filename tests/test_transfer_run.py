@@ -109,3 +109,23 @@ def test_an_arm_of_millimetres_and_milligrams_reaches_its_optimum_though_it_fall
     assert found["cycles_to_optimum"] <= 12
     slow = run.experiment.replace({"law.alpha": 10.0, "law.omega": 60.0})
     assert rmj.simulate(slow).status is not rmj.Status.OK
+
+
+@pytest.mark.parametrize("motors", [4.0, 6.0])
+def test_motors_that_cannot_hold_the_arm_without_springs_reach_the_optimum_with_them(
+    tmp_path, motors
+):
+    limit = f'ctrlrange="{-motors} {motors}"'
+    text = library.robots()["two_link.xml"].read_text()
+    text = re.sub(r"<actuator>.*</actuator>", "", text, flags=re.S).replace(
+        "</mujoco>",
+        f'<actuator><motor joint="joint1" {limit}/><motor joint="joint2" {limit}/></actuator>'
+        "</mujoco>",
+    )
+    (tmp_path / "arm.xml").write_text(text)
+    run = rmj.simulate(for_robot(str(tmp_path / "arm.xml")).replace({"motion.0.duration": 30.0}))
+    needed = run.plan.loaded[0].torque(run.plan.joints[0])
+    assert np.abs(needed).max() > motors
+    assert np.abs(run.data["tau"].values).max() <= motors
+    assert run.status is rmj.Status.OK
+    assert run.motions[0].cycles_to_optimum <= 20

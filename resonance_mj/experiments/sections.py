@@ -92,7 +92,10 @@ class Springs(Section):
     stiffness: tuple[Bound, Bound] = (0.0, math.inf)
     """Bounds of the stiffness [N m/rad]."""
     equilibrium: tuple[Bound, Bound] = (-math.pi, math.pi)
-    """Bounds of the equilibrium angle q_e - q_c [rad]."""
+    """Bounds of the equilibrium angle q_e [rad], about what equilibrium_about says."""
+    equilibrium_about: Literal["center", "zero"] = "center"
+    """center: the bounds are of q_e - q_c, where q_c is the mean joint angle or law.q_c; zero: of
+    q_e itself, the joint's own angle, as those of a device are."""
     initial_stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
     """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0

@@ -37,6 +37,7 @@ class Gains:
         learning: what is learned from y (n, n) [N m s/rad].
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
+        torque_limit: least and greatest torque of each motor (n, 2) [N m].
     """
 
     jacobian: str
@@ -50,6 +51,7 @@ class Gains:
     learning: np.ndarray
     lead: int
     harmonics: int | None
+    torque_limit: np.ndarray
 
 
 def gains(experiment: Experiment, robot: Robot) -> Gains:
@@ -93,6 +95,7 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
         learning=learning,
         lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
+        torque_limit=robot.torque_limit,
     )
 
 

@@ -39,7 +39,7 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
     said = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         name = f"motion.{index}"
-        J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
+        J = [kinematics.jacobian(q) for q in _poses(joints)]
         values = np.linalg.svd(J, compute_uv=False)
         nearest = float((values[:, -1] / values[:, 0]).min())
         if nearest < NEAR_SINGULAR:
@@ -107,19 +107,15 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
     """Motors that cannot give the torque that a motion needs with the best springs."""
     low, high = robot.torque_limit.T
     # Of each motor the limit on the side to which its torque points.
-    peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)])
-    limits = np.stack([high, -low])
-    said = []
-    for j, joint in enumerate(robot.joints):
-        for peak, limit in zip(peaks[:, j], limits[:, j], strict=True):
-            if peak > max(limit, 0.0):
-                said.append(
-                    f"{name} asks {joint} for {peak:.3g} N m even with the best springs, and its "
-                    f"motor gives {limit:g}"
-                    + (f", {peak / limit:.1f} times less" if limit > 0 else "")
-                    + ": slow the motion down or make it smaller"
-                )
-    return said
+    peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)], axis=1)
+    limits = np.stack([high, -low], axis=1)
+    return [
+        f"{name} asks {robot.joints[j]} for {peaks[j, side]:.3g} N m even with the best springs, "
+        f"and its motor gives {limits[j, side]:g}"
+        + (f", {peaks[j, side] / limits[j, side]:.1f} times less" if limits[j, side] > 0 else "")
+        + ": slow the motion down or make it smaller"
+        for j, side in np.argwhere(peaks > np.maximum(limits, 0.0))
+    ]
 
 
 def _unstable_feedback(
@@ -133,14 +129,13 @@ def _unstable_feedback(
     limit, D = 2.0 / dt, np.diag(kinematics.robot.damping)
     implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
     constant = D if gains.feedback.any() else 0 * D  # of G what law.omega does not scale
-    highest, most = 0.0, np.inf
-    for q in _poses(joints):
-        J, M = kinematics.jacobian(q), kinematics.inertia(q) + implicit * D
-        scaled = J.T @ (gains.k_v[:, None] * J) + gains.feedback - constant
-        highest = max(highest, _fastest(M, scaled + constant + D))
-        most = min(most, 1.0 / max(_fastest(limit * M - D - constant, scaled), 1e-300))
+    J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
+    M = np.array([kinematics.inertia(q) for q in _poses(joints)]) + implicit * D
+    scaled = J.swapaxes(1, 2) @ (gains.k_v[:, None] * J) + gains.feedback - constant
+    highest = _fastest(M, scaled + constant + D)
     if highest <= limit:
         return []
+    most = 1.0 / max(_fastest(limit * M - D - constant, scaled), 1e-300)
     key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
     return [
         f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
@@ -150,7 +145,7 @@ def _unstable_feedback(
 
 
 def _fastest(mass: np.ndarray, damping: np.ndarray) -> float:
-    """The largest eigenvalue of mass⁻¹ damping [1/s]."""
+    """The largest eigenvalue of mass⁻¹ damping (N, n, n) [1/s]."""
     return float(np.linalg.eigvals(np.linalg.solve(mass, damping)).real.max())
 
 

@@ -11,11 +11,15 @@ import numpy as np
 
 from ..errors import ExperimentError, RobotError
 from ..experiments.experiment import Experiment
+from ..text import joined
 from . import clearing, mjcf, payload, sound, task
 from . import home as homes
 from .compiling import compile_spec
 from .tool import Tool
 from .warned import heard
+
+NARROW = 0.2
+"""Range of a hinge joint that hardly an arm has, but one in radians read as degrees [rad]."""
 
 INTEGRATORS = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,
@@ -109,6 +113,19 @@ class Robot:
         """Whether each joint is stopped at the ends of its range (n,)."""
         stops = not self.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT
         return self.model.jnt_limited[self.joint_id].astype(bool) & stops
+
+    @property
+    def hint(self) -> str:
+        """Where joints hardly turn, what their file may lack; to be put behind a message."""
+        width = np.ptp(self.model.jnt_range[self.joint_id], axis=1)
+        few = np.flatnonzero(self.limited & (width < NARROW) & (self.slides == 0))
+        named = joined([self.joints[j] for j in few])
+        if not few.size:
+            return ""
+        return (
+            f"; {named}: less than {NARROW} rad to turn; if the file has its angles in radians, it "
+            'lacks <compiler angle="radian"/>'
+        )
 
     @property
     def rotates(self) -> bool:

@@ -19,9 +19,6 @@ LOOKED_AT = 250
 MOST = 3
 """Hindrances that a message names."""
 
-NARROW = 0.2
-"""Range of a hinge joint that hardly an arm has, but one in radians read as degrees [rad]."""
-
 
 class LastCycle(NamedTuple):
     """The last whole cycle of a motion."""
@@ -113,7 +110,7 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
     why = f": {named(held)}" if held else ""
     return (
         f"the tool does not follow motion {index + 1}: in its last cycle the RMS error is {miss}"
-        f"{why}; try {' or '.join(cures)}"
+        f"{why}; try {' or '.join(cures)}{plan.robot.hint}"
     )
 
 
@@ -140,8 +137,6 @@ def _ranges(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     at_end = ((cycle.q <= low) | (cycle.q >= high)).mean(axis=0) * robot.limited
     for j in np.flatnonzero(at_end):
         cure = f"another motion.{index}.center, a smaller motion.{index}.size or another robot.home"
-        if not robot.slides[j] and high[j] - low[j] < NARROW:
-            cure += ', or <compiler angle="radian"/> if the file has its angles in radians'
         found.append(
             Hindrance(
                 f"{robot.joints[j]} is at the end of its range, {low[j]:.3g} to {high[j]:.3g}, for "

@@ -13,7 +13,7 @@ from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
 from .ending import ending, hindrances, named
-from .loading import load_law, load_motion
+from .loading import load_law, load_motion, load_springs
 from .recording import Recording
 from .stepper import Stepper
 
@@ -120,8 +120,7 @@ class Member:
                 q_s=plan.q_s,
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
-            for name, value in zip(_SPRINGS, springs, strict=True):
-                memory[name][index] = value
+            load_springs(memory, index, springs, plan.experiment.springs)
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
 
