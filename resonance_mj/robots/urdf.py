@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from ..errors import RobotError
+from ..files import is_folder
 from ..text import listed, shown
 
 READABLE = (".stl", ".obj", ".msh")
@@ -41,15 +42,18 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
         notes: get a line of meshes that are left out though bodies could touch them.
 
     Raises:
-        RobotError: a mesh that bodies can touch is in no package that is found.
+        RobotError: a given folder, or the package of a mesh that bodies can touch, is not there.
     """
+    for folder in packages:
+        if not is_folder(folder):
+            raise RobotError(f"robot.packages = {shown(folder)}: no such folder")
     try:
         root = ElementTree.parse(path).getroot()
     except ElementTree.ParseError:  # MuJoCo takes what other readers do not, as unbound prefixes
         return mujoco.MjSpec.from_file(str(path.absolute()))
     compiler = _child(_child(root, "mujoco"), "compiler")
     compiler.set("discardvisual", "false")
-    folder = path.absolute().parent / compiler.get("meshdir", "")
+    beside = path.absolute().parent / compiler.get("meshdir", "")
     folders: dict[str, list[Path]] = {}
     untouched = []
     for link in root.iter("link"):
@@ -64,7 +68,7 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
                         f"{path}: mesh {shown(given)}: no such package is found: give the folder "
                         f"that holds it as robot.packages, or in {ROS_PATH}"
                     )
-                file = folder / mesh.get("filename", "")
+                file = beside / mesh.get("filename", "")
                 readable = file.suffix.lower() in READABLE
                 if shape.tag == "collision" and not readable:
                     untouched.append(file.name)
