@@ -69,7 +69,7 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     omega = law.omega if law.omega is not None else min(max(BANDWIDTH, 2 * falls), 0.1 / dt)
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
-    inertial = omega * robot.inertia + np.diag(robot.damping)
+    inertial = omega * robot.inertia + np.diag(_damping(robot, dt))
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))
     if law.follows_joints:
@@ -97,6 +97,16 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
         harmonics=harmonics,
         torque_limit=robot.torque_limit,
     )
+
+
+def _damping(robot: Robot, dt: float) -> np.ndarray:
+    """Gain (n,) [N m s/rad] that damped joints have beside the inertial one: their damping D.
+
+    Half of it where D is far above M/dt. There a joint keeps no speed from a step to the next, and
+    a gain of D would take back in each step what the one before has done.
+    """
+    D, kept = robot.damping, np.diag(robot.inertia)
+    return D * (kept + 0.5 * dt * D) / (kept + dt * D)
 
 
 def falling_rate(robot: Robot) -> float:

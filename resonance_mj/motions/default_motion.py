@@ -37,6 +37,9 @@ CONDITIONING = 0.5
 LIMITS = 0.05
 """Least distance to a joint's limits, as a share of its range."""
 
+CLEARANCE = 0.01
+"""Least distance between bodies that are not near each other anyway, as a share of the reach."""
+
 MOTORS = 0.7
 """Most that the motors need with the best springs, as a share of their limits."""
 
@@ -148,17 +151,25 @@ def _obstacle(
         return str(error).removeprefix(f"{name}: ")
     return (
         _lacks_margin(followed.q, middle, kinematics)
-        or _touches(followed.q, kinematics.robot)
+        or _touches(followed.q, middle, kinematics.robot)
         or _too_heavy(followed, kinematics, motion.period, bounds)
     )
 
 
-def _touches(q: np.ndarray, robot: Robot) -> str:
-    """What touches at joint angles (N, n); empty if nothing does."""
-    for first, second, depth, _ in touching(robot.model, robot.qpos, robot.qpos_address, q)[:1]:
+def _touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
+    """What touches or comes near at joint angles (N, n) and does not at `middle`; empty if nothing.
+
+    What is near in the middle may stay so, but not touch.
+    """
+    arm = robot.model, robot.qpos, robot.qpos_address
+    clearance = CLEARANCE * reach(robot)
+    near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
+    found = [touch for touch in touching(*arm, q, clearance) if touch[:2] not in near]
+    for first, second, depth, _ in (*touching(*arm, q), *found)[:1]:
+        how = f"{length(depth)} deep" if depth else "or nearly so"
         return (
-            f"{first} touches {second}, {length(depth)} deep (robot.contacts = false lets bodies "
-            "pass through each other)"
+            f"{first} touches {second}, {how} (robot.contacts = false lets bodies pass through "
+            "each other)"
         )
     return ""
 

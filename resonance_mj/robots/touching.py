@@ -56,7 +56,11 @@ def distance(model: mujoco.MjModel, first: int, second: int) -> int:
 
 
 def touching(
-    model: mujoco.MjModel, qpos: np.ndarray, addresses: np.ndarray, positions: np.ndarray
+    model: mujoco.MjModel,
+    qpos: np.ndarray,
+    addresses: np.ndarray,
+    positions: np.ndarray,
+    clearance: float = 0.0,
 ) -> list[Touch]:
     """The pairs of bodies that touch along a motion, the one that touches longest first.
 
@@ -67,15 +71,23 @@ def touching(
         qpos: of the whole model, for what does not move (nq,).
         addresses: of the joints that move, in qpos (n,).
         positions: their joint angles, at each sample (N, n) [rad or m].
+        clearance: distance below which bodies count as touching [m]; 0 for the file's own margins.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     depths: dict[tuple[str, str], dict[int, float]] = {}
-    for sample, q in enumerate(positions):
-        data.qpos[addresses] = q
-        for first, second, depth in contacts(model, data):
-            at = depths.setdefault((called(model, first), called(model, second)), {})
-            at[sample] = max(at.get(sample, 0.0), depth)
+    margin, flags = model.opt.o_margin, model.opt.enableflags
+    if clearance:
+        model.opt.o_margin = clearance
+        model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_OVERRIDE
+    try:
+        for sample, q in enumerate(positions):
+            data.qpos[addresses] = q
+            for first, second, depth in contacts(model, data):
+                at = depths.setdefault((called(model, first), called(model, second)), {})
+                at[sample] = max(at.get(sample, 0.0), depth)
+    finally:
+        model.opt.o_margin, model.opt.enableflags = margin, flags
     found = [
         Touch(*pair, max(at.values()), len(at) / len(positions)) for pair, at in depths.items()
     ]
