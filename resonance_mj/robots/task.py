@@ -31,7 +31,7 @@ def axes(given: tuple[str, ...] | None, arm: Arm, home: np.ndarray) -> tuple[str
         arm.notes.append(
             f"{'joints' if len(idle) > 1 else 'joint'} {listed(idle)} cannot move the tool "
             f"{arm.tools[0].name!r} in {', '.join(found)}; robot.tool names another: "
-            f"{listed(others, none='a site beside the axis would be one')}"
+            f"{listed(others, most=8, none='a site beside the axis would be one')}"
         )
     return found
 

@@ -74,27 +74,41 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
                     untouched.append(file.name)
                 if not readable or (shape.tag == "visual" and not file.is_file()):
                     link.remove(shape)
-    made = [str(link.get("name")) for link in root.iter("link") if _made_possible(link)]
+    moved = {
+        str(child.get("link"))
+        for joint in root.iter("joint")
+        if joint.get("type") != "fixed"
+        for child in joint.findall("child")
+    }
+    made = [str(link.get("name")) for link in root.iter("link") if _made_possible(link, moved)]
     if made:
-        notes.append(f"no body has such inertias, the nearest possible are taken: {listed(made)}")
+        notes.append(
+            f"no body has such inertias, the nearest possible are taken: {listed(made, most=8)}"
+        )
     if untouched:
         notes.append(
-            f"bodies do not touch where MuJoCo cannot read the mesh: {listed(sorted({*untouched}))}"
+            "bodies do not touch where MuJoCo cannot read the mesh: "
+            f"{listed(sorted({*untouched}), most=8)}"
         )
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.modelfiledir = f"{path.absolute().parent}{os.sep}"
     return spec
 
 
-def _made_possible(link: ElementTree.Element) -> bool:
-    """Whether a link had an inertia that no body can have, and has the nearest possible now."""
+def _made_possible(link: ElementTree.Element, moved: set[str]) -> bool:
+    """Whether a link had an inertia that no body can have, and has the nearest possible now.
+
+    None at all is possible for what is fixed to another link.
+    """
     inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
     try:
         kilograms = float("nan" if mass is None else mass.get("value", "nan"))
         six = [float("nan" if inertia is None else inertia.get(key, "0")) for key in _SIX]
     except ValueError:  # which MuJoCo says better
         return False
-    if inertia is None or not kilograms > 0 or not (any(six) and np.isfinite(six).all()):
+    if inertia is None or not kilograms > 0 or not np.isfinite(six).all():
+        return False
+    if not any(six) and link.get("name") not in moved:
         return False
     xx, xy, xz, yy, yz, zz = six
     moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
