@@ -112,6 +112,10 @@ def test_usual_names_are_found_behind_prefixes_in_any_case(name, is_usual):
         ('<site name="a"/><site name="p_TCP" pos=".1 0 0"/>', "p_TCP"),
         ('<body name="wrist"><geom size=".01"/><site name="spot" pos=".1 0 0"/></body>', "spot"),
         ('<body name="tool0"/><site name="spot"/>', "tool0"),
+        (
+            '<body name="gripper_link"><body name="gripper_frame" pos=".1 0 0"/></body>',
+            "gripper_frame",
+        ),
         ('<site name="near" pos=".1 0 0"/><site name="out" pos=".2 0 0"/>', "out"),
         ('<body name="tip_"><site pos=".1 0 0"/></body>', "tip_"),
         ('<body name="plate"><site pos=".1 0 0"/></body>', "unnamed_site1"),

@@ -93,23 +93,25 @@ def _found(
         )
     own = [tool for tool in at_ends if model.body(tool.body).id in branches[0].ends]
     own = [tool for tool in own if not is_sensor(tool.name)] or own
-    for kind in ("site", "body"):
-        ranked = [
-            (place, tool)
-            for tool in own
-            if tool.kind == kind and (place := usual(tool.name)) is not None
-        ]
-        if ranked:
-            tool = min(ranked, key=lambda pair: pair[0])[1]
-            notes.append(f"tool: {kind} {tool.name!r}, found by its usual name")
-            return tool
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     end = data.xanchor[branches[0].joints[-1]]
+
+    def away(tool: Tool) -> float:
+        place = data.site(tool.name) if tool.kind == "site" else data.body(tool.name)
+        return float(np.linalg.norm(place.xpos - end))
+
+    for kind in ("site", "body"):
+        ranked = {tool: usual(tool.name) for tool in own if tool.kind == kind}
+        likely = [(place, -away(tool), tool) for tool, place in ranked.items() if place is not None]
+        if likely:
+            tool = min(likely, key=lambda one: one[:2])[2]
+            notes.append(f"tool: {kind} {tool.name!r}, found by its usual name")
+            return tool
     sites = [tool for tool in own if tool.kind == "site"]
-    named = [tool for tool in sites if not tool.name.startswith(UNNAMED)]
     if sites:
-        best = max(named or sites, key=lambda tool: np.linalg.norm(data.site(tool.name).xpos - end))
+        named = [tool for tool in sites if not tool.name.startswith(UNNAMED)]
+        best = max(named or sites, key=away)
         why = "the only one" if len(sites) == 1 else "the farthest out"
         notes.append(f"tool: site {best.name!r}, {why} on the arm's end")
         return best
