@@ -89,9 +89,8 @@ def judge(run: Run) -> list[Judgement]:
 
 def _status(run: Run, key: str, motion: int, expected: Status) -> Judgement:
     """The status of the run, or of a motion: ok if all its cycles were simulated."""
-    whole = motion and (
-        len(run.motions[motion - 1].cycles) == run.experiment.motion[motion - 1].cycles
-    )
+    planned = run.experiment.motion[motion - 1].cycles
+    whole = motion > 0 and len(run.motions[motion - 1].cycles) == planned
     found = Status.OK if whole else run.status
     words = Band(str(expected), False, math.nan, math.nan)
     return Judgement(key, motion, "status", "", "", words, str(found), np.empty(0))
@@ -107,7 +106,7 @@ def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Ju
         joints = expected.joints or names if figure in PER_JOINT else [""]
         for row, joint in enumerate(joints):
             j = names.index(joint) if joint else ...
-            of = course[:, j] if joint else course
+            of = course[:, j]
             found = motion.cycles_to_optimum if figure == "cycles_to_optimum" else _last(of)
             yield Judgement(
                 key=f"{key}.{figure}",
@@ -115,7 +114,7 @@ def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Ju
                 figure=figure,
                 joint=joint,
                 unit=OF_SLIDES.get(unit, unit) if joint and slides[j] else unit,
-                band=_band(_of_joint(expected, row), best, near.get(figure), j),
+                band=_band(expected, row, best, near.get(figure), j),
                 found=found,
                 history=of,
                 why=_why_none(motion, figure) if found is None else "",
@@ -158,18 +157,16 @@ def _near(motion: MotionOfRun) -> dict[str, Any]:
     torque = OF_TORQUE * math.sqrt(motion.torque_squared_without_springs)
     k, offset = np.abs(motion.stiffness_optimal), np.abs(motion.offset_optimal)
     push = np.maximum(OF_SPRING * offset, torque)
-    return {
-        "stiffness": np.maximum(OF_SPRING * k, _over(torque, _swing(motion))),
-        "offset": push,
-        "equilibrium": _over(push, k),
-        "torque_reduction": OPTIMUM_BAND * (1 - motion.torque_reduction_optimal),
-    }
-
-
-def _over(of: float | np.ndarray, by: np.ndarray) -> np.ndarray:
-    """A quotient (n,) that is infinite over 0, and 0 of nothing."""
+    # What is divided by 0 is infinite, and nothing is 0.
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(of == 0, 0.0, of / by)
+        return {
+            "stiffness": np.maximum(
+                OF_SPRING * k, np.where(torque == 0, 0.0, torque / _swing(motion))
+            ),
+            "offset": push,
+            "equilibrium": np.where(push == 0, 0.0, push / k),
+            "torque_reduction": OPTIMUM_BAND * (1 - motion.torque_reduction_optimal),
+        }
 
 
 def _swing(motion: MotionOfRun) -> np.ndarray:
@@ -180,29 +177,22 @@ def _swing(motion: MotionOfRun) -> np.ndarray:
     return last.std(axis=0) if len(whole) else np.full(len(motion.stiffness_optimal), np.nan)
 
 
-def _of_joint(expected: Expected, row: int) -> Expected:
-    """An expectation of joints, for one of them."""
-    if isinstance(expected.value, tuple):
-        return expected.model_copy(update={"value": expected.value[row]})
-    return expected
-
-
-def _band(expected: Expected, best: Any, near: Any, j: Any) -> Band:
+def _band(expected: Expected, row: int, best: Any, near: Any, j: Any) -> Band:
     """What passes, with the optimum's value and the tolerance that it has if none is given.
 
     Args:
-        expected: of one figure and joint.
+        expected: of one figure.
+        row: of its joints, the one.
         best: of the optimum (n,) or ().
         near: tolerance where none is given, likewise.
-        j: number of the joint; ... for what has none.
+        j: number of the joint in the arm; ... for what has none.
     """
-    if expected.value is None:
-        low, high = expected.min, expected.max
-        return Band(
-            None, False, -math.inf if low is None else low, math.inf if high is None else high
-        )
-    optimal = expected.value == "optimal"
-    value = float(np.asarray(best)[j] if optimal else expected.value)  # type: ignore[arg-type]
+    given = expected.value[row] if isinstance(expected.value, tuple) else expected.value
+    if given is None:
+        low = -math.inf if expected.min is None else expected.min
+        return Band(None, False, low, math.inf if expected.max is None else expected.max)
+    optimal = given == "optimal"
+    value = float(np.asarray(best)[j]) if optimal else float(given)
     if expected.abs is None and expected.rel is None:
         tolerance = float(np.asarray(near)[j])
     else:
