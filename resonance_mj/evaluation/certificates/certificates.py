@@ -57,11 +57,11 @@ def certify(run: Run) -> Certificates:
     square = plan.robot.m == plan.robot.n
     if square:
         _check_robot(run, plan)
-    items: list[Certificate] = []
+    numbered, items = {cycle.number: cycle for cycle in cycles}, list[Certificate]()
     for index in range(len(plan.joints)):
         mine = [cycle for cycle in cycles if cycle.motion == index and not cycle.passage]
         best = plan.optima[index] if square else _of_motion_made(run, mine)
-        items += _handovers(index + 1, _pairs(mine, cycles), plan)
+        items += _handovers(index + 1, mine, numbered, plan)
         items += _of_optimum(index + 1, mine, best, plan)
     return Certificates(
         name=plan.experiment.name,
@@ -98,15 +98,12 @@ def _of_motion_made(run: Run, cycles: list[Cycle]) -> Optimum | None:
     )
 
 
-def _pairs(mine: list[Cycle], cycles: list[Cycle]) -> list[tuple[Cycle, Cycle]]:
-    """Each cycle with the next, where that was kept and has as many samples."""
-    numbered = {cycle.number: cycle for cycle in cycles}
-    pairs = ((now, numbered.get(now.number + 1)) for now in mine)
-    return [(now, then) for now, then in pairs if then and len(then.q) == len(now.q)]
-
-
-def _handovers(motion: int, pairs: list[tuple[Cycle, Cycle]], plan: Plan) -> list[Certificate]:
-    """(9) and (11), from each cycle to the next."""
+def _handovers(
+    motion: int, mine: list[Cycle], numbered: dict[int, Cycle], plan: Plan
+) -> list[Certificate]:
+    """(9) and (11), from each cycle to the next, where that was kept and has as many samples."""
+    following = ((now, numbered.get(now.number + 1)) for now in mine)
+    pairs = [(now, then) for now, then in following if then and len(then.q) == len(now.q)]
     kind = plan.experiment.law.kind
     claims = OF_A_CYCLE.get(kind, OF_A_CYCLE["paper"])
     if kind not in HANDOVERS or not pairs:

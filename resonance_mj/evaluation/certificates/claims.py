@@ -12,14 +12,11 @@ ROUNDING = 1e-10
 
 
 class Claim(NamedTuple):
-    """What is claimed of a run."""
+    """What is claimed of a run: the paper's equation, in a few words, what its value must be."""
 
     equation: str
-    """The paper's number."""
     text: str
-    """In a few words."""
     needed: str
-    """What its value must be."""
 
 
 NOTHING_LEFT = f"≤ {ROUNDING:g}"
