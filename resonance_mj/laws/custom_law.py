@@ -105,11 +105,10 @@ def _fresh_modules(folder: Path) -> Iterator[None]:
     """Let what stands in a folder be imported, and anew; the process keeps what it had of it."""
 
     def inside() -> dict[str, ModuleType]:
-        files = {name: getattr(module, "__file__", None) for name, module in sys.modules.items()}
+        modules = [each for each in sys.modules.items() if each[0] != "__main__"]
+        files = [(*each, getattr(each[1], "__file__", None)) for each in modules]
         return {
-            name: sys.modules[name]
-            for name, file in files.items()
-            if file and name != "__main__" and Path(file).parent == folder
+            name: module for name, module, file in files if file and Path(file).parent == folder
         }
 
     before, path = inside(), list(sys.path)

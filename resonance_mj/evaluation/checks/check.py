@@ -76,22 +76,21 @@ def judge(run: Run) -> list[Judgement]:
         A judgement for each expectation of each motion and joint, the status of the run first.
     """
     expect = run.experiment.expect
-    found = [_status(run, "expect.status", 0, expect.status)]
-    for index in range(len(run.experiment.motion)):
+    found = [_status("expect.status", 0, expect.status, run.status)]
+    for index, motion in enumerate(run.experiment.motion):
         found += _of_motion(run, "expect", index + 1, expect)
         if expect.motion:
             own, key = expect.motion[index], f"expect.motion.{index}"
             if own.status is not None:
-                found.append(_status(run, f"{key}.status", index + 1, own.status))
+                # A motion is ok if all its cycles were simulated.
+                whole = len(run.motions[index].cycles) == motion.cycles
+                ended = Status.OK if whole else run.status
+                found.append(_status(f"{key}.status", index + 1, own.status, ended))
             found += _of_motion(run, key, index + 1, own)
     return found
 
 
-def _status(run: Run, key: str, motion: int, expected: Status) -> Judgement:
-    """The status of the run, or of a motion: ok if all its cycles were simulated."""
-    planned = run.experiment.motion[motion - 1].cycles
-    whole = motion > 0 and len(run.motions[motion - 1].cycles) == planned
-    found = Status.OK if whole else run.status
+def _status(key: str, motion: int, expected: Status, found: Status) -> Judgement:
     words = Band(str(expected), False, math.nan, math.nan)
     return Judgement(key, motion, "status", "", "", words, str(found), np.empty(0))
 

@@ -173,12 +173,9 @@ def plot(course: np.ndarray, band: Band) -> list[str]:
     for column in range(columns):
         # Of the cycles that share a column the last is drawn.
         value = course[(column + 1) * len(course) // columns - 1]
-        if value > high:
-            grid[0][column] = "^"
-        elif value < low:
-            grid[-1][column] = "v"
-        elif math.isfinite(value):
-            grid[row(value)][column] = "*"
+        if not math.isnan(value):
+            mark = "^" if value > high else "v" if value < low else "*"
+            grid[row(min(max(value, low), high))][column] = mark
     labels = {row(end): f"{end:.4g}" for end in (low, high, *ends)}
     margin = max(map(len, labels.values()))
     lines = [f"{labels.get(i, ''):>{margin}} |{''.join(grid[i])}" for i in range(HEIGHT)]
