@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from .errors import ResonanceError
     from .evaluation.certificates.certificates import certify
     from .evaluation.certificates.claims import Certificate, Certificates
-    from .evaluation.comparison.comparison import Comparison, compare
+    from .evaluation.comparison import Comparison, compare
     from .experiments.experiment import Experiment
     from .experiments.loading import load
     from .pictures.figures.plot import plot
@@ -24,8 +24,8 @@ _HOMES = {
     "Certificate": "evaluation.certificates.claims",
     "Certificates": "evaluation.certificates.claims",
     "certify": "evaluation.certificates.certificates",
-    "Comparison": "evaluation.comparison.comparison",
-    "compare": "evaluation.comparison.comparison",
+    "Comparison": "evaluation.comparison",
+    "compare": "evaluation.comparison",
     "ResonanceError": "errors",
     "Experiment": "experiments.experiment",
     "load": "experiments.loading",

@@ -29,7 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     experiment = keys_as_options.experiment(options)
-    from ..evaluation.comparison import comparison
+    from ..evaluation import comparison
     from ..files import could_be_written
     from ..pictures.figures import comparison_figure, saving
     from . import tables

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ..evaluation.certificates.claims import Certificates
     from ..evaluation.checks.check import Judgement
-    from ..evaluation.comparison.comparison import Comparison
+    from ..evaluation.comparison import Comparison
     from ..plan.plan import Plan
     from ..results.motions import MotionOfRun
     from ..results.run import Run

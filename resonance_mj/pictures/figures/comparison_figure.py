@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from ...evaluation.comparison.comparison import Comparison
+from ...evaluation.comparison import Comparison
 from ...results.run import Run
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycle_axis
