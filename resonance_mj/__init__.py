@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import ResonanceError
-    from .evaluation.certificates.certificates import certify
-    from .evaluation.certificates.claims import Certificate, Certificates
+    from .evaluation.certificates.certificates import Certificate, Certificates, certify
     from .evaluation.comparison import Comparison, compare
     from .experiments.experiment import Experiment
     from .experiments.loading import load
@@ -21,8 +20,8 @@ if TYPE_CHECKING:
     from .springs.optimum import Optimum
 
 _HOMES = {
-    "Certificate": "evaluation.certificates.claims",
-    "Certificates": "evaluation.certificates.claims",
+    "Certificate": "evaluation.certificates.certificates",
+    "Certificates": "evaluation.certificates.certificates",
     "certify": "evaluation.certificates.certificates",
     "Comparison": "evaluation.comparison",
     "compare": "evaluation.comparison",

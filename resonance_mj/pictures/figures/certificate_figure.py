@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...evaluation.certificates.claims import ROUNDING, Certificate, Certificates
+from ...evaluation.certificates.certificates import ROUNDING, Certificate, Certificates
 from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
 from .sheet import Row, Sheet
 from .sizes import PAGE
