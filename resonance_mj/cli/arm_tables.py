@@ -18,15 +18,14 @@ def joints(title: str, of: list[Joint]) -> Table:
     """Joints as they are in the MJCF; all are hinges, or all are slides."""
     angle, torque, inertia = _units(of)
     drawn = table(title)
-    damping = f"{torque} s/{angle}"
-    for heading in (
-        f"home\n[{angle}]",
-        f"range\n[{angle}]",
-        f"damping\n[{damping}]",
-        f"inertia\n[{inertia}]",
-        f"motor limit\n[{torque}]",
+    for heading, unit in (
+        ("home", angle),
+        ("range", angle),
+        ("damping", f"{torque} s/{angle}"),
+        ("inertia", inertia),
+        ("motor limit", torque),
     ):
-        drawn.add_column(heading, justify="right")
+        drawn.add_column(f"{heading}\n[{unit}]", justify="right")
     for joint in of:
         drawn.add_row(
             joint.name,

@@ -1,7 +1,8 @@
-"""What the commands have in common: exit statuses, where tables go, progress bars."""
+"""What the commands have in common: exit statuses, where words go, progress bars."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -18,6 +19,11 @@ def console() -> Console:
     from rich.console import Console
 
     return Console(markup=False, highlight=False)
+
+
+def complain(line: str) -> None:
+    """Say what did not go well."""
+    print(f"resonance-mj: {line}", file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -47,8 +53,6 @@ def bar(
     )
     with bars:
         task = bars.add_task(first, total=total)
-
-        def show(done: int, of: int) -> None:
-            bars.update(task, completed=done, total=of, description=then or first)
-
-        yield show
+        yield lambda done, of: bars.update(
+            task, completed=done, total=of, description=then or first
+        )

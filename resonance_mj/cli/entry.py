@@ -8,30 +8,28 @@ import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
-from importlib import import_module
 from typing import NoReturn
 
 from ..errors import ExperimentError, ResonanceError
 from ..text import cut, one_line
-from . import keys_as_options
-from .console import BAD_INPUT, DONE, ENDED_BY_SIGNAL
+from . import experiment_commands, keys_as_options, library_commands, run_commands
+from .console import BAD_INPUT, DONE, ENDED_BY_SIGNAL, complain
 
 COMMANDS = {
-    "run": "run_command",
-    "optimum": "optimum_command",
-    "inspect": "inspect_command",
-    "compare": "compare_command",
-    "plot": "plot_command",
-    "certify": "certify_command",
-    "check": "check_command",
-    "render": "render_command",
-    "view": "view_command",
-    "report": "report_command",
-    "list": "list_command",
-    "keys": "keys_command",
-    "version": "version_command",
+    "run": experiment_commands.run,
+    "optimum": experiment_commands.optimum,
+    "inspect": experiment_commands.inspect,
+    "compare": experiment_commands.compare,
+    "plot": run_commands.plot,
+    "certify": run_commands.certify,
+    "check": experiment_commands.check,
+    "render": run_commands.render,
+    "view": run_commands.view,
+    "report": run_commands.report,
+    "list": library_commands.list_,
+    "keys": library_commands.keys,
+    "version": library_commands.version,
 }
-"""Each command and its module, which has HELP, `add_options` and `execute`."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -48,18 +46,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         changes, rest = keys_as_options.split(arguments)
         options = _parser().parse_args(rest)
         options.changes = changes
-        if changes and not options.takes_keys:
+        if changes and not options.command.takes_keys:
             key = next(iter(changes))
             raise ExperimentError(f"--{cut(key)}: this command takes no keys of an experiment")
-        return int(options.execute(options))
+        return options.command.execute(options) or DONE
     except ResonanceError as error:
-        print(f"resonance-mj: {error}", file=sys.stderr)
+        complain(str(error))
         return BAD_INPUT
     except KeyboardInterrupt as error:
         by = signal.Signals(error.args[0] if error.args else signal.SIGINT)
         with suppress(OSError):  # the terminal may be gone
-            said = f"resonance-mj: ended by {by.name}; no file is left half-written"
-            print(said, file=sys.stderr)
+            complain(f"ended by {by.name}; no file is left half-written")
         return ENDED_BY_SIGNAL + by
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -68,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # What the operating system refuses is a path that was given, or the folder one is in.
         gone = "the working folder" if isinstance(error, FileNotFoundError) else ""
         where = f"{name}: " if (name := error.filename or gone) else ""
-        print(one_line(f"resonance-mj: {where}{error.strerror or error}"), file=sys.stderr)
+        complain(one_line(f"{where}{error.strerror or error}"))
         return BAD_INPUT
 
 
@@ -86,14 +83,16 @@ def _parser() -> _Parser:
         allow_abbrev=False,
     )
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for name, module in COMMANDS.items():
-        command = import_module(f".{module}", __package__)
+    for name, command in COMMANDS.items():
+        what = command.execute.__doc__ or ""
         each = commands.add_parser(
             name,
-            help=command.HELP,
-            description=f"{command.HELP[0].upper()}{command.HELP[1:]}.",
+            help=what[0].lower() + what[1:].removesuffix("."),
+            description=what,
+            epilog=command.more + keys_as_options.HELP if command.takes_keys else None,
             allow_abbrev=False,
         )
-        each.set_defaults(execute=command.execute, takes_keys=False)
-        command.add_options(each)
+        each.set_defaults(command=command)
+        for names, settings in command.arguments:
+            each.add_argument(*names, **settings)
     return parser

@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
-import argparse
 import tomllib
+from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
 from ..errors import ExperimentError
 from ..text import cut
+from .command import argument
 
 if TYPE_CHECKING:
     from ..experiments.experiment import Experiment
 
-_HELP = (
+HELP = (
     "Every key of the experiment is an option, with its value as in the file: --law.beta 3, "
     "--law.k_v 200,300, --springs.stiffness=-inf,inf, --motion.0.period 0.5. "
     "`resonance-mj keys` lists them."
 )
 
-
-def add_options(
-    parser: argparse.ArgumentParser,
-    metavar: str = "NAME|PATH",
-    meaning: str = "a built-in name, or a TOML file",
-) -> None:
-    """Let a parser take what to simulate: an experiment, or a robot with everything else found."""
-    parser.add_argument("experiment", metavar=metavar, nargs="?", help=meaning)
-    parser.add_argument(
-        "--robot", metavar="MJCF", help="an arm, in place of the experiment's or with none given"
-    )
-    take_keys(parser)
+EXPERIMENT = argument(
+    "experiment", "a built-in name, or a TOML file", metavar="NAME|PATH", nargs="?"
+)
+ROBOT = argument(
+    "--robot", "an arm, in place of the experiment's or with none given", metavar="MJCF"
+)
 
 
-def take_keys(parser: argparse.ArgumentParser) -> None:
-    """Let a parser take keys of an experiment, as `options.changes`."""
-    parser.set_defaults(takes_keys=True)
-    parser.epilog = _HELP
-
-
-def experiment(options: argparse.Namespace) -> Experiment:
-    """The experiment that the options of `add_options` ask for."""
+def experiment(options: Namespace) -> Experiment:
+    """The experiment that EXPERIMENT, ROBOT and the keys ask for."""
     from ..experiments.loading import for_robot, load
 
     if options.experiment is None and options.robot is None:
@@ -48,10 +37,8 @@ def experiment(options: argparse.Namespace) -> Experiment:
         )
     if options.experiment is None:
         return for_robot(options.robot).replace(options.changes)
-    changes = dict(options.changes)
-    if options.robot is not None:
-        changes["robot.mjcf"] = options.robot
-    return load(options.experiment).replace(changes)
+    robot = {} if options.robot is None else {"robot.mjcf": options.robot}
+    return load(options.experiment).replace(options.changes | robot)
 
 
 def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:

@@ -106,7 +106,7 @@ class Inspection:
                 lines += ["", "[[motion]]" if section == "motion.0" else f"[{section}]"]
             for name in names:
                 key, value = f"{section}.{name}".lstrip("."), values[section][name]
-                if value is None:
+                if value is None or value == ():
                     continue
                 # How it is found if not given says nothing here, where it is given.
                 meaning = re.sub(r";[^;]*if not given\.$", ".", " ".join(meanings[key].split()))
@@ -174,7 +174,7 @@ def _written_out(plan: Plan) -> Experiment:
     home = given.home if isinstance(given.home, str) else robot.home.tolist()
     coordinates = [*robot.position_axes, *(["rotation"] if robot.rotates else [])]
     changes = {
-        "robot.mjcf": str(path.resolve()) if path.is_file() else given.mjcf,
+        "robot.mjcf": str(path.resolve()) if path.exists() else given.mjcf,
         "robot.tool": robot.tools[0].name,
         "robot.home": home,
         "task.coordinates": coordinates,
@@ -188,7 +188,7 @@ def _written_out(plan: Plan) -> Experiment:
 
 WORTH_CHANGING = {
     "": ("name",),
-    "robot": ("mjcf", "tool", "home"),
+    "robot": ("mjcf", "tool", "joints", "home", "packages"),
     "task": ("coordinates",),
     "simulation": ("timestep",),
     "motion.0": ("duration", "period", "shape", "center", "size", "plane"),

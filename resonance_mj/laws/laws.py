@@ -75,9 +75,11 @@ def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learn
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
-    return learning.learned_torque(
+    """What the motors can give of it: more would be learned without end, and never exerted."""
+    v = learning.learned_torque(
         cycle.u, cycle.y, gain=gains.learning, lead=gains.lead, harmonics=gains.harmonics
     )
+    return np.clip(v, *gains.torque_limit.T)
 
 
 # Along the desired joint angles, as in [4] (Sec. IV-C).

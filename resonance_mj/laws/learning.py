@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..experiments.experiment import Experiment
-from ..springs.fit import Bounds, LinearSprings, fit, spring_like_part
+from ..experiments.sections import Springs
+from ..springs.fit import LinearSprings, fit, spring_like_part
 from .gains import Gains
 
 
@@ -79,7 +80,7 @@ def learn(
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
 
-def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bounds) -> Learned:
+def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Springs) -> Learned:
     """Hand the springs what springs can do: the total torque stays as it is.
 
     Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring
@@ -89,7 +90,7 @@ def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bound
         v: what is learned from a cycle, before anything is handed over (N, n) [N m].
         q: joint angles of that cycle (N, n) [rad].
         springs: at the end of it.
-        bounds: what springs may be, about the mean joint angle, where their centre is put.
+        bounds: what springs may be; their centre is put at the mean joint angle.
     """
     total = v + springs.torque(q)
     best = fit(q, total, bounds, center=q.mean(axis=0))

@@ -52,7 +52,7 @@ def balance(cycle: Cycle, best: Optimum, plan: Plan) -> Balance:
     begin = spring_energy(cycle.stiffness[0] - k, cycle.offset[0] - offset, gamma_k, gamma_qe)
     end = spring_energy(cycle.last_stiffness - k, cycle.last_offset - offset, gamma_k, gamma_qe)
     inertia, error = plan.kinematics.inertia(cycle.q[0]), cycle.x[0] - cycle.x_desired[0]
-    motion = motion_energy(cycle.y[0], inertia, error, gains.k_p + law.alpha * gains.k_v)
+    motion = motion_energy(cycle.y[0], inertia, error, gains.k_p + gains.alpha * gains.k_v)
     stored = float((du * np.linalg.solve(gains.learning, du.T).T).sum() * dt)
     return Balance(
         number=cycle.number,

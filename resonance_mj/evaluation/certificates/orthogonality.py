@@ -53,7 +53,7 @@ def untaken(
         torque: of the motors over a cycle (N, n) [N m].
         q: joint angles over it (N, n) [rad].
         acting: the springs that act meanwhile.
-        bounds: of the springs, about the centre of `acting`.
+        bounds: of the springs.
 
     Returns:
         Torque (N, n) [N m].

@@ -82,9 +82,10 @@ def judge(run: Run) -> list[Judgement]:
         if expect.motion:
             own, key = expect.motion[index], f"expect.motion.{index}"
             if own.status is not None:
-                # A motion is ok if all its cycles were simulated.
-                whole = len(run.motions[index].cycles) == motion.cycles
-                ended = Status.OK if whole else run.status
+                # A motion is ok if it was simulated whole and the tool follows.
+                made = run.motions[index]
+                whole = len(made.cycles) == motion.cycles
+                ended = Status.OK if whole and made.tracks[-1] else run.status
                 found.append(_status(f"{key}.status", index + 1, own.status, ended))
             found += _of_motion(run, key, index + 1, own)
     return found

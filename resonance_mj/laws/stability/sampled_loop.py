@@ -57,9 +57,9 @@ def along(
     """The loop at poses of a motion.
 
     Args:
-        experiment: gives α, α₀, Γ_k, Γ_qe, the time step and the integrator.
+        experiment: gives α₀, Γ_k, Γ_qe, the time step and the integrator.
         kinematics: of the arm.
-        gains: its feedback and the form of (8).
+        gains: its feedback, α and the form of (8).
         q: joint angles at the poses (P, n) [rad].
         stiffness: of the springs (n,) [N m/rad].
         q_c: centre of the regressor of (6) (n,) [rad].
@@ -72,11 +72,11 @@ def along(
     n = robot.n
     M = np.array([kinematics.inertia(pose) for pose in q])
     J = np.array([kinematics.jacobian(pose) for pose in q])
-    C = error_signal(robot, gains.jacobian, J, law.alpha, law.alpha_0)
+    C = error_signal(robot, gains.jacobian, J, gains.alpha, law.alpha_0)
     Jt = J.swapaxes(-1, -2)
     by_hand = np.block([Jt @ (gains.k_p[:, None] * J), Jt @ (gains.k_v[:, None] * J)])
     F = by_hand + gains.feedback @ C
-    D = np.diag(robot.model.dof_damping[robot.dof_address])
+    D = np.diag(robot.damping)
     integrate = _RK4 if experiment.simulation.integrator == "RK4" else _semi_implicit
     A, B = integrate(M, D, np.diag(stiffness), dt)
     A = A - B @ F

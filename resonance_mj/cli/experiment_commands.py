@@ -1,0 +1,219 @@
+"""The commands that take an experiment or a robot: run, optimum, inspect, compare and check."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import ExperimentError
+from . import keys_as_options, run_commands
+from .command import argument, command, flag
+from .console import DONE, NOT_WELL, bar, complain, console
+from .keys_as_options import EXPERIMENT, ROBOT
+
+if TYPE_CHECKING:
+    from ..evaluation.checks.check import Judgement
+    from ..results.run import Run
+
+
+@command(
+    EXPERIMENT,
+    ROBOT,
+    argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
+    flag("--interpret", "run the law as plain Python, for a debugger"),
+    flag("--certify", "check on the run what the stability proof claims"),
+    flag("--strict", "refuse what will diverge, instead of a warning"),
+    keys=True,
+)
+def run(options: Namespace) -> int:
+    """Simulate an experiment and write its run."""
+    experiment = keys_as_options.experiment(options)
+    from ..files import could_be_written
+    from ..pictures.figures.plot import plot
+    from ..pictures.figures.sizes import DRAFT
+    from ..simulation.simulation import simulate
+    from ..status import Status
+    from . import tables
+
+    folder = could_be_written(options.out or Path("runs") / experiment.name)
+    screen = console()
+    name, total = experiment.name, sum(motion.cycles for motion in experiment.motion)
+    with bar(f"{name}: preparing the law", "cycles", screen, total, then=name) as show:
+        run = simulate(
+            experiment,
+            interpret=options.interpret,
+            strict=options.strict,
+            progress=show,
+            note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+        )
+    run.save(folder)
+    written = ["run.nc", "summary.json", "experiment.toml"]
+    screen.print(tables.summary(run))
+    if run.data.sizes["time"]:
+        written += [path.name for path in plot(run, folder, figures=["overview"], dpi=DRAFT)]
+    if options.certify:
+        written += run_commands.certified(run, folder, screen)
+    if run.data.attrs["thinned"]:
+        kept = len(set(run.data["cycle_of_sample"].values.tolist()))
+        screen.print(
+            f"Samples of {kept} of {run.data.sizes['cycle']} cycles were kept "
+            f"(simulation.samples = {experiment.simulation.samples})."
+        )
+    screen.print(f"{folder}: {', '.join(written)}", soft_wrap=True)
+    if run.status is Status.OK:
+        return DONE
+    complain(f"{name}: {run.status}: {run.message}")
+    return NOT_WELL
+
+
+@command(EXPERIMENT, ROBOT, keys=True)
+def optimum(options: Namespace) -> None:
+    """The best constant springs of an experiment."""
+    experiment = keys_as_options.experiment(options)
+    from ..plan.plan import plan_for
+    from . import tables
+
+    console().print(tables.optimum(plan_for(experiment)))
+
+
+@command(
+    argument("robot", "a path, a built-in name or menagerie:NAME", metavar="MJCF"),
+    argument("--tool", "the site or body that follows the motion", metavar="NAME"),
+    argument(
+        "--home", "a keyframe, or joint angles as in --home=0.5,-1 [rad]", metavar="KEY|ANGLES"
+    ),
+    flag("--toml", "print an experiment file for it and nothing else"),
+)
+def inspect(options: Namespace) -> None:
+    """What is found in an arm, and a motion and gains for it."""
+    from ..evaluation.inspection import inspect
+    from ..experiments.loading import for_robot
+    from . import arm_tables
+
+    changes: dict[str, Any] = {}
+    if options.tool is not None:
+        changes["robot.tool"] = options.tool
+    if options.home is not None:
+        home = keys_as_options.value(options.home)
+        changes["robot.home"] = [home] if isinstance(home, int | float) else home
+    found = inspect(for_robot(options.robot).replace(changes))
+    if options.toml:
+        print(found.to_toml(), end="")
+        return
+    screen = console()
+    for kind, slides in (("hinge", False), ("slide", True)):
+        joints = [joint for joint in found.joints if joint.slides == slides]
+        if joints:
+            screen.print(arm_tables.joints(f"{found.experiment.name}: {kind} joints", joints))
+            screen.print(arm_tables.effort(f"{kind} joints along the suggested motion", joints))
+    screen.print(arm_tables.tools(found))
+    screen.print(arm_tables.suggestion(found))
+    for note in found.notes:
+        screen.print(f"  {note}", soft_wrap=True)
+
+
+@command(
+    EXPERIMENT,
+    ROBOT,
+    argument(
+        "--long",
+        "how often the last motion is repeated to see which law lasts; 1000, and 0 for not",
+        metavar="CYCLES",
+        type=int,
+        default=1000,
+    ),
+    argument("--out", "where to write; runs/NAME-compare", metavar="FOLDER", type=Path),
+    keys=True,
+)
+def compare(options: Namespace) -> None:
+    """The laws that users compare, on one experiment."""
+    experiment = keys_as_options.experiment(options)
+    from ..evaluation import comparison
+    from ..files import could_be_written
+    from ..pictures.figures import comparison_figure, saving
+    from . import tables
+
+    folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
+    screen = console()
+    with bar(f"{experiment.name}: all laws", "cycles", screen) as show:
+        found = comparison.compare(experiment, long=options.long, progress=show)
+    found.save(folder)
+    saving.save(comparison_figure.figure(found), folder, "compare")
+    screen.print(tables.comparison(found))
+    screen.print(
+        f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "
+        f"{', '.join(found.runs)}",
+        soft_wrap=True,
+    )
+
+
+@command(
+    argument(
+        "runs",
+        "TOML files with [expect], folders of such, or built-in names; all in the working "
+        "folder and its folder runs, or else the built-in ones",
+        metavar="RUN",
+        nargs="*",
+    ),
+    flag("--update", "rewrite the numbers expected in the files with those found"),
+    keys=True,
+)
+def check(options: Namespace) -> int:
+    """Hold runs against what their experiments expect."""
+    if options.update and options.changes:
+        raise ExperimentError(
+            f"--{next(iter(options.changes))}: --update writes what the files' own runs show; "
+            "leave one of the two out"
+        )
+    from ..evaluation.checks import cases
+
+    files = cases.named(options.runs)
+    experiments = [cases.read(path, options.changes) for path in files]
+    from ..evaluation.checks import convergence
+    from ..evaluation.checks.check import judge
+    from ..simulation.simulation import simulate_many
+    from . import tables
+
+    screen = console()
+    with bar("experiments", "cycles", screen) as show:
+        runs = simulate_many(experiments, progress=show)
+    judgements = [judge(run) for run in runs]
+    for run, found in zip(runs, judgements, strict=True):
+        screen.print(tables.judgements(run, found))
+    if options.update:
+        return _update(files, runs, judgements)
+    for run, found in zip(runs, judgements, strict=True):
+        if text := convergence.report(run, found):
+            screen.print(text, soft_wrap=True)
+    missed = sum(not one.passed for found in judgements for one in found)
+    total = sum(map(len, judgements))
+    screen.print(f"{missed or 'none'} of {total} expectations missed in {len(runs)} run(s)")
+    return NOT_WELL if missed else DONE
+
+
+def _update(files: list[Path], runs: list[Run], judgements: list[list[Judgement]]) -> int:
+    """Write what was found into the files, and hold the runs against them again."""
+    from dataclasses import replace
+
+    from ..evaluation.checks import cases, updating
+    from ..evaluation.checks.check import judge
+    from ..results.run import Status
+
+    for path, run in zip(files, runs, strict=True):
+        if run.status is not Status.OK:
+            complain(
+                f"{path}: the run ended as {run.status}, and no file is updated: {run.message}"
+            )
+            return NOT_WELL
+    # All are made before any is written.
+    updates = [updating.Update(*each) for each in zip(files, runs, judgements, strict=True)]
+    missed = []
+    for update, run in zip(updates, runs, strict=True):
+        update.write()
+        print("\n".join(update.differences()) or f"{update.path}: nothing to update")
+        again = judge(replace(run, experiment=cases.read(update.path)))
+        missed += [f"{update.path}: {one.key}" for one in again if not one.passed]
+    for key in missed:
+        complain(f"{key}: missed, and not a number to update")
+    return NOT_WELL if missed else DONE

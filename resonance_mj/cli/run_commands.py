@@ -1,0 +1,276 @@
+"""The commands that take saved runs: plot, certify, render, view and report."""
+
+from __future__ import annotations
+
+import os
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import ExperimentError, PictureError
+from ..pictures.figures.catalogue import FIGURES
+from ..pictures.figures.sizes import DPI, FORMATS
+from ..pictures.viewer.clock import KEYS_HELP
+from . import keys_as_options
+from .command import Argument, argument, command, flag
+from .console import DONE, NOT_WELL, bar, complain, console
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ..experiments.experiment import Experiment
+    from ..pictures.film.options import RenderOptions
+    from ..results.run import Run
+
+PARTS = {
+    "path": "the desired path",
+    "trail": "the tool's recent trail",
+    "springs": "springs and equilibria",
+    "motors": "the motors' torque",
+    "plots": "the plots below",
+    "head-up": "the line above",
+    "legend": "what the overlays mean",
+}
+"""What can be left out of a picture, by the names of RenderOptions."""
+
+SPAN = (
+    argument("--from", "seconds, or a cycle: 8c begins with the 8th", dest="start", metavar="TIME"),
+    argument("--to", "seconds, or a cycle: 10c ends with the 10th", dest="stop", metavar="TIME"),
+)
+
+
+def _runs(meaning: str) -> Argument:
+    return argument("runs", f"a run's folder{meaning}", metavar="RUN", type=Path, nargs="+")
+
+
+def _picture(backgrounds: str, parts: dict[str, str]) -> list[Argument]:
+    """The arguments that `_chosen` reads, with these backgrounds and parts to leave out."""
+    return [
+        argument(
+            "--camera",
+            "of the model, or azimuth,elevation,distance as in --camera=120,-20,1.5; "
+            "one that frames the motion",
+            metavar="NAME|VIEW",
+        ),
+        flag("--follow", "go with the tool"),
+        argument("--background", f"{backgrounds}; sky", metavar="KIND", default="sky"),
+        *(flag(f"--no-{part}", f"leave out {meaning}") for part, meaning in parts.items()),
+    ]
+
+
+def _chosen(options: Namespace, **more: Any) -> RenderOptions:
+    """What the options of `_picture` ask for, and `more`."""
+    from ..pictures.film.options import RenderOptions
+
+    names = (part.replace("-", "_") for part in PARTS)
+    more |= {name: not getattr(options, f"no_{name}", False) for name in names}
+    return RenderOptions(
+        camera=options.camera, follow=options.follow, background=options.background, **more
+    )
+
+
+@command(
+    _runs(", such as runs/paper; several: compared in one figure"),
+    argument(
+        "--figure",
+        f"{', '.join(entry.name for entry in FIGURES)}; again or with commas for several; "
+        "all that the runs have samples for",
+        dest="figures",
+        metavar="NAME",
+        action="append",
+    ),
+    argument("--format", "any of svg,png,pdf; svg,png", metavar="KIND", default=",".join(FORMATS)),
+    argument("--width", "column, page, or inches; page: 7.16", metavar="WIDTH", default="page"),
+    argument("--dpi", f"pixels per inch of a PNG; {DPI:g}", metavar="N", type=float, default=DPI),
+    argument("--out", "where to write; the first run's folder", metavar="FOLDER", type=Path),
+)
+def plot(options: Namespace) -> None:
+    """Draw the figures of a saved run, or several runs in one figure."""
+    from ..pictures.figures.plot import plot
+    from ..results.run import Run
+
+    names = [name for given in options.figures or [] for name in given.split(",")]
+    written = plot(
+        [Run.load(folder) for folder in options.runs],
+        options.out or options.runs[0],
+        figures=names or None,
+        formats=options.format.split(","),
+        width=options.width,
+        dpi=options.dpi,
+    )
+    for path in written:
+        print(path)
+
+
+@command(
+    argument("run", "a run's folder, such as runs/paper", metavar="RUN", type=Path),
+    argument("--out", "where to draw; the run's folder", metavar="FOLDER", type=Path),
+)
+def certify(options: Namespace) -> None:
+    """Check on a saved run what the stability proof claims."""
+    from ..files import writable
+    from ..results.run import Run
+
+    run, screen = Run.load(options.run), console()
+    folder = writable(options.out or options.run)
+    for name in certified(run, folder, screen):
+        screen.print(folder / name, soft_wrap=True)
+
+
+def certified(run: Run, folder: Path, screen: Console) -> list[str]:
+    """Print and draw a run's certificates; the names of the files that were written."""
+    from ..evaluation.certificates.certificates import certify
+    from ..pictures.figures import certificate_figure, saving
+    from . import tables
+
+    found = certify(run)
+    drawn = saving.save(certificate_figure.figure(found), folder, "certificates")
+    screen.print(tables.certificates(found))
+    return [path.name for path in drawn]
+
+
+@command(
+    _runs("; several: side by side"),
+    argument("-o --output", ".mp4, .webp or .gif; RUN/motion.mp4", metavar="FILE", type=Path),
+    *SPAN,
+    argument("--speed", "seconds of the run per second of video; 1", type=float, default=1.0),
+    argument("--fps", "frames per second; 30", type=float, default=30.0),
+    argument("--size", "of the picture [pixels]; 1280x720", metavar="WxH", default="1280x720"),
+    *_picture("sky, white, dark or transparent", PARTS),
+    argument("--label", "what the picture calls a run; one each", dest="labels", action="append"),
+    argument("--workers", "processes that draw; one per core", metavar="N", type=int),
+)
+def render(options: Namespace) -> None:
+    """Film a saved run, or several side by side and in step."""
+    from ..pictures.film import video
+    from ..results.run import Run
+
+    chosen = _chosen(options, size=_size(options.size))
+    runs = [Run.load(folder) for folder in options.runs]
+    labels = options.labels
+    if labels is None and len({run.experiment.name for run in runs}) < len(runs):
+        labels = [folder.resolve().name for folder in options.runs]
+    path = options.output or options.runs[0] / "motion.mp4"
+    screen = console()
+    with bar(path.name, "frames", screen) as show:
+        written = video.render(
+            runs,
+            path,
+            options.start,
+            options.stop,
+            options.fps,
+            speed=options.speed,
+            options=chosen,
+            labels=labels,
+            workers=options.workers,
+            progress=show,
+            note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+        )
+    screen.print(str(written), soft_wrap=True)
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise PictureError(f"size {text!r}: give width and height in pixels, as in 1280x720")
+    return int(width), int(height)
+
+
+@command(
+    argument(
+        "experiment",
+        "a run's folder, which is replayed; or a built-in name or a TOML file, which is "
+        "simulated while you watch",
+        metavar="RUN|NAME|PATH",
+        nargs="?",
+    ),
+    keys_as_options.ROBOT,
+    argument("--speed", "seconds of the run per second; 1", type=float, default=1.0),
+    *SPAN,
+    flag("--once", "close the window at the end; runs are repeated else"),
+    *_picture("sky, white or dark", {part: PARTS[part] for part in PARTS if part != "plots"}),
+    keys=True,
+    more=f"{KEYS_HELP}. ",
+)
+def view(options: Namespace) -> int:
+    """Watch a saved run again, or an experiment live, in MuJoCo's viewer."""
+    # Windows are GLFW's, whatever pictures are drawn with; MuJoCo reads this when it is imported.
+    os.environ["MUJOCO_GL"] = "glfw"
+    what = _what(options)
+    from ..pictures.viewer.view import view
+    from ..status import Status
+
+    screen = console()
+    failed = []
+
+    def ended(run: Run) -> None:
+        if run.status is not Status.OK:
+            failed.append(run)
+            complain(f"{run.experiment.name}: {run.status}: {run.message}")
+
+    view(
+        what,
+        speed=options.speed,
+        start=options.start,
+        stop=options.stop,
+        once=options.once,
+        options=_chosen(options),
+        note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+        ended=ended,
+    )
+    return NOT_WELL if failed else DONE
+
+
+def _what(options: Namespace) -> Run | Experiment:
+    """The run, or else the experiment, that the options ask for."""
+    from ..results.run import Run
+
+    if not _is_run(options.experiment):
+        return keys_as_options.experiment(options)
+    given = [f"--{key}" for key in options.changes] + ["--robot"] * (options.robot is not None)
+    if given:
+        raise ExperimentError(
+            f"{options.experiment}: a run is shown as it was: leave out {', '.join(given)}, or "
+            "give the name or path of its experiment, which is simulated anew"
+        )
+    return Run.load(options.experiment)
+
+
+def _is_run(given: str | None) -> bool:
+    """Whether a folder of a run is meant: one with a run in it is, whatever else has its name."""
+    from .. import library
+
+    path = Path(given or "")
+    if given is None or given in library.experiments():
+        return given is not None and (path / "run.nc").is_file()
+    return path.is_dir() or (len(path.parts) > 1 and path.suffix != ".toml" and not path.is_file())
+
+
+@command(
+    _runs("; several: compared"),
+    argument(
+        "-o --output",
+        "RUN/report.html; of several, comparison.html in the first one's folder",
+        metavar="FILE",
+        type=Path,
+    ),
+    argument("--title", "of the page; the names of the runs"),
+    argument("--label", "what the page calls a run; one each", dest="labels", action="append"),
+    flag("--no-video", "leave out the video, which takes most of the time"),
+)
+def report(options: Namespace) -> None:
+    """Write a run, or several beside each other, as one page to read and to send."""
+    from ..pictures.page.report import report
+
+    screen = console()
+    with bar("report", "pictures", screen) as show:
+        written = report(
+            options.runs,
+            options.output,
+            video=not options.no_video,
+            title=options.title,
+            labels=options.labels,
+            progress=show,
+            note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+        )
+    screen.print(f"{written}: {written.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
