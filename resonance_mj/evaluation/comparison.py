@@ -1,7 +1,5 @@
 """The laws that users compare, on one experiment: how good each is, and whether it lasts."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
@@ -40,10 +38,9 @@ BETA = 10.0
 
 
 class Contender(NamedTuple):
-    """A law to compare: that of an experiment, but for some keys."""
+    """A law to compare: its name, also of its folder, and what differs from an experiment's."""
 
     name: str
-    """Of its folder."""
     title: str
     changes: Changes
 
@@ -242,11 +239,9 @@ def compare(
             f"long = {long}: 0 for no long run, or at least {SHORTEST} cycles of the last motion"
         )
     laws, each = zip(*contending(experiment), strict=True)
-    last, names = len(experiment.motion) - 1, [law.name for law in laws]
-    lasting = {
-        f"motion.{last}.duration": long * experiment.motion[last].period,
-        "simulation.samples": 1,
-    }
+    duration = f"motion.{len(experiment.motion) - 1}.duration"
+    lasting = {duration: long * experiment.motion[-1].period, "simulation.samples": 1}
+    names = [law.name for law in laws]
     longer = [one.replace(lasting) for one in each] if long else []
     runs = simulate_many([*each, *longer], threads=threads, progress=progress)
     return Comparison(

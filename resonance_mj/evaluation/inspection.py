@@ -1,7 +1,5 @@
 """What the program finds in an arm: its numbers, a motion and gains for it, and why."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from dataclasses import dataclass

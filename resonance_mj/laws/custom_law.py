@@ -1,7 +1,5 @@
 """A law from outside: a Python file named in the experiment, run through the same callback."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import sys
@@ -61,10 +59,7 @@ def load(file: str) -> tuple[Command, Learn | None]:
         assert learn is not None
         return _learned(file, learn, cycle, experiment)
 
-    return (
-        standard if command is None else _adapted(command),
-        None if learn is None else learned,
-    )
+    return standard if command is None else _adapted(command), learned if learn else None
 
 
 def _learned(file: str, learn: Callable[..., Any], cycle: Cycle, experiment: Experiment) -> Learned:

@@ -1,7 +1,5 @@
 """The laws that an experiment can name: what each does at a step, learns from a cycle, is told."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

@@ -4,8 +4,6 @@ A run is read, never simulated. What the proof knows and the law does not, the d
 and its best springs, comes from inverse kinematics and inverse dynamics.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple

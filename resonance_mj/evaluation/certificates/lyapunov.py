@@ -5,8 +5,6 @@ V is half of (16), with Δq̄_eᵀ Γ_qe⁻¹ Δq̄_e as its last term: the deri
 yᵀ R y / 2: V is positive for any gains. docs/certificates.md derives it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Experiment files under test: those that hold [expect], found, read and held against the robot."""
 
-from __future__ import annotations
-
 import os
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """Judge a run by what its experiment expects of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """How a figure that missed its expectation went from cycle to cycle: in words and as a plot."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Rewrite the numbers that a file expects and its run misses, and nothing else of the file."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import os
@@ -55,10 +53,8 @@ class Update:
 
     def differences(self) -> list[str]:
         """The lines that change, as a unified diff; none if nothing does."""
-        before, after, name = self.before.splitlines(), self.after.splitlines(), str(self.path)
-        return list(
-            difflib.unified_diff(before, after, name, f"{name} (updated)", lineterm="", n=1)
-        )
+        texts, name = (self.before.splitlines(), self.after.splitlines()), str(self.path)
+        return list(difflib.unified_diff(*texts, name, f"{name} (updated)", lineterm="", n=1))
 
     def write(self) -> None:
         """Replace the file, if anything changes; its owner and mode stay.

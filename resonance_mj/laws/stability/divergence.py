@@ -1,7 +1,5 @@
 """Whether learning a motion will diverge: what grows, how fast, until when; what would not."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

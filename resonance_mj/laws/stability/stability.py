@@ -14,8 +14,6 @@ last longer than a pose; G_t of the pose at t couples them, Y_h = Σ Ĝ_{h-h'}(h
 eigenvalues of this matrix decide. docs/stability.md derives both, and says what is left out.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from typing import NamedTuple
 
