@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import library
-from ..callback.foreign import refuse_foreign
+from ..callback.callback import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -19,6 +20,9 @@ POSES = 8
 
 HARDER, GROWN = 3.0, 10.0
 """Multiples of torque² without springs, and of the lowest before, above which a run diverges."""
+
+FIGURES = ("torque_squared", "tracking_rms", "rotation_rms", "singular_value")
+"""What is measured of each whole cycle."""
 
 Signals = dict[str, np.ndarray]
 """What a cycle's control steps recorded, by the names of `COLUMNS`, and x_desired (N, ·)."""
@@ -37,15 +41,7 @@ class Recording:
         }
         self._cycles: dict[str, list[np.ndarray | float]] = {
             name: []
-            for name in (
-                "torque_squared",
-                "tracking_rms",
-                "rotation_rms",
-                "singular_value",
-                "stiffness_per_cycle",
-                "offset_per_cycle",
-                "center_per_cycle",
-            )
+            for name in (*FIGURES, *(f"{name}_per_cycle" for name in LinearSprings._fields))
         }
         self._time = 0.0
         self._made: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
@@ -150,26 +146,29 @@ class Recording:
         """The run so far, as labelled arrays with units."""
         plan, robot, optima = self._plan, self._robot, self.optima()
         cycles = len(self._cycles["torque_squared"])
-        width = {"x": robot.m, "x_desired": robot.m, "time": 0, "cycle_of_sample": 0}
-        values: dict[str, np.ndarray] = {
-            name: _joined(parts, width.get(name, robot.n)) for name, parts in self._samples.items()
+        sizes = {"joint": robot.n, "axis": robot.m}
+
+        def joined(name: str, parts: Sequence[np.ndarray | float]) -> np.ndarray:
+            """All parts in a row, as a variable has them; there may be none."""
+            _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
+            values = np.concatenate([np.empty(0), *map(np.ravel, parts)])
+            return values.reshape(-1, *(sizes[dim] for dim in dims))
+
+        values = {name: joined(name, parts) for name, parts in self._samples.items()}
+        values |= {
+            name: joined(name, parts)
+            for name, parts in self._cycles.items()
+            if name != "rotation_rms" or robot.rotates
         }
-        for name, rows in self._cycles.items():
-            if name != "rotation_rms" or robot.rotates:
-                of_joints = (robot.n,) if name.endswith("_per_cycle") else ()
-                values[name] = np.array(rows, float).reshape(cycles, *of_joints)
         segment = self._segment[:cycles]
         values["cycle_of_sample"] = values["cycle_of_sample"].astype(int)
         values["segment_of_sample"] = self._segment[values["cycle_of_sample"] - 1] + 1
         for suffix in ("", "_per_cycle"):
             k, offset, center = (values[f"{name}{suffix}"] for name in LinearSprings._fields)
             values[f"equilibrium{suffix}"] = equilibrium_angles(k, offset, center)
-        for name in ("stiffness", "offset", "equilibrium"):
+        for name in ("stiffness", "offset", "equilibrium", "torque_squared"):
             values[f"{name}_optimal"] = np.array([getattr(best, name) for best in optima])
-        values["torque_squared_optimal"] = np.array([best.torque_squared for best in optima])
-        values["torque_squared_without_springs"] = without = np.array(
-            [best.torque_squared_without_springs for best in optima]
-        )
+        without = np.array([best.torque_squared_without_springs for best in optima])
         best_torque = [
             optima[self._segment[part[0] - 1]].torque[: len(part)]
             for part in self._samples["cycle_of_sample"]
@@ -189,7 +188,8 @@ class Recording:
                 "axis": list(robot.axes),
                 "segment_of_cycle": segment + 1,
                 "passage": np.array([plan.blending(i) is not None for i in range(cycles)], int),
-                "tau_optimal": _joined(best_torque, robot.n),
+                "torque_squared_without_springs": without,
+                "tau_optimal": joined("tau_optimal", best_torque),
                 "torque_reduction": reduced,
                 "torque_share": metrics.share(reduced, optimal[segment]),
                 "start": np.concatenate([[0.0], ends[:-1]]),
@@ -225,10 +225,3 @@ def _kept(plan: Plan) -> set[int]:
 def _rms(miss: np.ndarray) -> float:
     """Root mean square of the length of a vector over a cycle (N, ·)."""
     return math.sqrt(np.vdot(miss, miss) / len(miss))
-
-
-def _joined(parts: list[np.ndarray], width: int) -> np.ndarray:
-    """Parts in a row; of no parts an empty array of `width` columns, of one dimension if 0."""
-    if parts:
-        return np.concatenate(parts)
-    return np.empty((0, width) if width else 0)
