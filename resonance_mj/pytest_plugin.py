@@ -54,15 +54,15 @@ class ExperimentFile(pytest.File):
             experiment = read(self.path)
         except ResonanceError as error:
             raise self.CollectError(str(error)) from None
-        yield ExperimentItem.from_parent(self, name=experiment.name, experiment=experiment)
+        item = ExperimentItem.from_parent(self, name=experiment.name)
+        item.experiment = experiment
+        yield item
 
 
 class ExperimentItem(pytest.Item):
     """One experiment, simulated and held against what it expects."""
 
-    def __init__(self, *, experiment: Experiment, **rest: Any) -> None:
-        super().__init__(**rest)
-        self.experiment = experiment
+    experiment: Experiment
 
     def runtest(self) -> None:
         """Simulate it, and fail if it misses an expectation, or cannot be simulated."""

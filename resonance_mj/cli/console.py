@@ -30,18 +30,13 @@ def complain(line: str) -> None:
 def bar(
     first: str, unit: str, console: Console, total: int | None = None, then: str | None = None
 ) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar, as a function of what is done and what there is in all.
+    """A progress bar, as a function of what is done and what there is in all, counted in `unit`.
 
-    Args:
-        first: what is shown until the first progress.
-        unit: of what is counted, in the plural.
-        console: where to show it.
-        total: what there is in all, if that is known.
-        then: what is shown from the first progress on; `first` if not given.
+    It says `first`, and from the first progress on `then`, if that is given.
     """
     from rich import progress
 
-    bars = progress.Progress(
+    with progress.Progress(
         progress.TextColumn("{task.description}"),
         progress.BarColumn(),
         progress.MofNCompleteColumn(),
@@ -50,8 +45,7 @@ def bar(
         progress.TextColumn("left"),
         progress.TimeRemainingColumn(),
         console=console,
-    )
-    with bars:
+    ) as bars:
         task = bars.add_task(first, total=total)
         yield lambda done, of: bars.update(
             task, completed=done, total=of, description=then or first

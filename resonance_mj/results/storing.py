@@ -135,12 +135,8 @@ def _variable(name: str, item: h5py.Dataset) -> tuple[list[str], np.ndarray, dic
 
 def _about(hdf5: h5py.File) -> _About:
     """What the attributes say."""
-    found = {name: hdf5.attrs.get(name) for name in _About.model_fields}
-    plain = {
-        name: value.item() if isinstance(value, np.generic | np.ndarray) else value
-        for name, value in found.items()
-    }
-    return validated(_About, plain, "its attributes")
+    found = {name: np.asarray(hdf5.attrs.get(name)).item() for name in _About.model_fields}
+    return validated(_About, found, "its attributes")
 
 
 def save(run: Run, folder: str | os.PathLike[str]) -> Path:

@@ -45,7 +45,6 @@ class Recording:
         }
         self._time = 0.0
         self._made: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
-        self._limited = bool(np.isfinite(self._robot.torque_limit).any())
         self._at_limit = np.zeros(self._robot.n)
         self._lowest = np.inf
         self.hardest = ""
@@ -111,8 +110,7 @@ class Recording:
         )
         found["singular_value"].append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
         low, high = robot.torque_limit.T
-        if self._limited:
-            self._at_limit = ((tau <= low) | (tau >= high)).mean(axis=0)
+        self._at_limit = ((tau <= low) | (tau >= high)).mean(axis=0)
         if robot.m < robot.n:
             acting = LinearSprings(signals["stiffness"], signals["offset"], springs.center)
             total = tau + acting.torque(q)
