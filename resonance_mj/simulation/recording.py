@@ -90,13 +90,10 @@ class Recording:
             self._samples["center"].append(center)
             self._samples["time"].append(self._time + np.arange(steps) * self._dt)
             self._samples["cycle_of_sample"].append(np.full(steps, cycle + 1))
-        if whole:
-            self._add_whole(cycle, signals, springs)
-            self._time += steps * self._dt
-
-    def _add_whole(self, cycle: int, signals: Signals, springs: LinearSprings) -> None:
-        robot, found = self._robot, self._cycles
-        tau, q, steps = signals["tau"], signals["q"], len(signals["q"])
+        if not whole:
+            return
+        self._time += steps * self._dt
+        robot, found, tau, q = self._robot, self._cycles, signals["tau"], signals["q"]
         by_joint = np.einsum("tj,tj->j", tau, tau) / steps
         found["torque_squared"].append(float(by_joint.sum()))
         self.hardest = robot.joints[int(by_joint.argmax())]
