@@ -7,6 +7,10 @@ class Status(StrEnum):
     """How a run ended."""
 
     OK = "ok"
-    """All cycles were simulated."""
+    """All cycles were simulated, and at the end of each motion the tool follows its path."""
+    NOT_TRACKING = "not tracking"
+    """The tool does not follow its path: its RMS error is more than 2 % of the path's size."""
+    IN_CONTACT = "in contact"
+    """The tool follows its path, and the arm touches itself or something else on its way."""
     DIVERGED = "diverged"
     """The arm left all bounds: try `law.lead = 1`, a smaller `law.beta` or a shorter time step."""

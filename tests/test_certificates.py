@@ -554,7 +554,7 @@ def test_a_run_loads_no_certificates_and_can_be_certified_later(tmp_path):
     script = """
 import sys
 from resonance_mj.cli import main
-main(["run", "paper", "--motion.0.duration", "2", "--motion.1.duration", "1"])
+main(["run", "paper", "--motion.0.duration", "2", "--motion.1.duration", "2"])
 print(sorted(name for name in sys.modules if name.startswith("resonance_mj.")))
 sys.exit(main(["certify", "runs/paper", "--out", "drawn"]))
 """

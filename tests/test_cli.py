@@ -168,7 +168,7 @@ def test_a_list_of_one_number_is_typed_without_brackets_and_a_name_is_an_option(
     (tmp_path / "arm.xml").write_text(pendulum)
     options = (
         "run --robot arm.xml --name 2 --robot.home 0.3 --task.coordinates x --motion.0.center -0.1 "
-        "--motion.0.shape line --motion.0.duration 3"
+        "--motion.0.shape line --motion.0.duration 9"
     )
     assert cli.main(options.split()) == 0
     (folder,) = (tmp_path / "runs").iterdir()

@@ -108,3 +108,12 @@ def test_a_run_has_it_among_its_notes():
         "law.q_c = [1.0, 2.0] has no effect: law.kind = 'transfer' does not adapt the springs by "
         "(6), (7) here"
     )
+
+
+def test_what_bounds_are_about_is_said_to_be_idle_where_there_are_none():
+    about = {"springs.equilibrium_about": "zero"}
+    given = rmj.load("paper").replace(about)
+    assert [line[:25] for line in without_effect(given)] == ["springs.equilibrium_about"]
+    assert not without_effect(
+        given.replace({"springs.equilibrium": [-3, 3], "springs.stiffness": [0, 50]})
+    )

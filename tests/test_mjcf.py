@@ -6,6 +6,7 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj.experiments.loading import for_robot
+from resonance_mj.experiments.sections import Robot
 from resonance_mj.robots import mjcf
 from resonance_mj.robots.compiling import compile_spec
 from resonance_mj.robots.robot import build
@@ -19,14 +20,17 @@ ARM = """<mujoco><worldbody>
 </body></body></body>{scene}</worldbody>{rest}</mujoco>"""
 
 
+BOTH = {"robot.joints": ("shoulder", "elbow")}
+
+
 def written(tmp_path, tool="", scene="", rest="", spring=""):
     path = tmp_path / "arm.xml"
     path.write_text(ARM.format(tool=tool, scene=scene, rest=rest, spring=spring))
     return path
 
 
-def read(path, tool=None, home=None):
-    arm = mjcf.read(str(path), tool, home)
+def read(path, **given):
+    arm = mjcf.read(Robot(mjcf=str(path), **given))
     return arm, compile_spec(arm.spec, path)
 
 
@@ -94,7 +98,7 @@ def test_a_free_object_in_the_scene_is_held(tmp_path):
 )
 def test_actuators_become_torque_motors_that_keep_their_limits(tmp_path, actuator, limit):
     path = written(tmp_path, rest=f"<actuator>{actuator}</actuator>")
-    robot = build(for_robot(str(path)))
+    robot = build(for_robot(str(path)).replace(BOTH))
     np.testing.assert_array_equal(robot.torque_limit[1], limit)
     data = mujoco.MjData(robot.model)
     data.ctrl[robot.actuator_id[1]] = 1.5
@@ -171,11 +175,11 @@ def test_a_ball_joint_before_the_tool_and_an_unknown_tool_are_named(tmp_path):
     ball = "<body><joint name='wrist' type='ball'/><geom size='.02'/><site name='tip'/></body>"
     path = written(tmp_path, tool=ball)
     with pytest.raises(rmj.ResonanceError, match=r"'wrist'.*'tip' is a ball joint"):
-        mjcf.read(str(path), "tip", None)
+        read(path, tool="tip")
     with pytest.raises(rmj.ResonanceError, match=r"'nose'.*right_center, tip.*upper, lower"):
-        mjcf.read(str(path), "nose", None)
+        read(path, tool="nose")
     with pytest.raises(rmj.ResonanceError, match=r"robot.home = 'up': no such keyframe"):
-        mjcf.read(str(path), None, "up")
+        read(path, home="up")
 
 
 def moved(path, arm, model):
@@ -257,6 +261,7 @@ def test_what_is_off_the_arm_stands_exactly_where_the_home_pose_has_it(tmp_path,
 
 def test_an_arm_that_is_attached_to_a_scene_brings_its_keyframe_limits_and_gripper(tmp_path):
     force = '<actuator><position name="servo" joint="elbow" kp="9" forcerange="-3 3"/>'
+    force += '<motor joint="shoulder"/>'
     written(tmp_path, tool=HAND, rest=GRIP.replace("<actuator>", force))
     path = tmp_path / "scene.xml"
     path.write_text(
@@ -309,7 +314,7 @@ def test_the_keyframe_that_is_named_is_home(tmp_path):
 def test_a_joint_keeps_what_all_its_actuators_can_give(tmp_path, joint, actuators, limit):
     path = written(tmp_path, rest=f"<actuator>{actuators}</actuator>")
     path.write_text(path.read_text().replace('name="elbow"', f'name="elbow" {joint}'))
-    robot = build(for_robot(str(path)))
+    robot = build(for_robot(str(path)).replace(BOTH))
     np.testing.assert_array_equal(robot.torque_limit[1], limit)
     assert robot.model.nu == 2
     assert robot.model.na == 0
@@ -318,7 +323,7 @@ def test_a_joint_keeps_what_all_its_actuators_can_give(tmp_path, joint, actuator
 def test_rotor_inertia_and_damping_of_an_actuator_stay_on_its_joint(tmp_path):
     servo = '<general joint="elbow" gear="3" armature=".1" damping=".5 .2 .1"/>'
     path = written(tmp_path, rest=f"<actuator>{servo}</actuator>")
-    _, model = read(path)
+    _, model = read(path, joints=BOTH["robot.joints"])
     forces = []
     for one in (mujoco.MjModel.from_xml_path(str(path)), model):
         data = mujoco.MjData(one)
@@ -426,16 +431,9 @@ def test_a_cloth_in_the_scene_is_not_the_arm(tmp_path):
     assert model.nv == 2
 
 
-def test_an_arm_on_a_floating_base_is_refused_by_the_free_joint(tmp_path):
-    path = written(tmp_path)
-    path.write_text(path.read_text().replace('name="base">', 'name="base"><freejoint name="f"/>'))
-    with pytest.raises(rmj.ResonanceError, match=r"joint 'f' between .* is a free joint"):
-        mjcf.read(str(path), None, None)
-
-
 def test_a_tool_that_no_joint_moves_is_refused(tmp_path):
     with pytest.raises(rmj.ResonanceError, match="no joint moves the tool 'right_center'"):
-        mjcf.read(str(written(tmp_path)), "right_center", None)
+        read(written(tmp_path), tool="right_center")
 
 
 @pytest.mark.parametrize("overlap", [False, True])
@@ -453,8 +451,92 @@ def test_a_home_that_is_found_is_well_conditioned_and_free_where_it_can_be(tmp_p
     data = mujoco.MjData(robot.model)
     data.qpos[:] = robot.qpos
     mujoco.mj_forward(robot.model, data)
-    assert (data.ncon > 0) == overlap
+    assert data.ncon == 0
     jacobian = np.zeros((3, 2))
     mujoco.mj_jacSite(robot.model, data, jacobian, None, robot.site)
     assert np.linalg.cond(jacobian[[0, 2]]) < 4
     assert robot.axes == ("x", "z")
+
+
+# What ties joints to each other, and what drives them otherwise than a motor at a joint
+
+CRANK = (
+    '<body name="crank" pos="0 0 .1"><joint name="c" axis="0 1 0"/><geom size=".02"/>'
+    '<site name="pin" pos=".3 0 0"/></body>'
+)
+
+
+@pytest.mark.parametrize(
+    ("constraint", "words"),
+    [
+        ("<joint joint1='elbow' joint2='shoulder' polycoef='0 -1 0 0 0'/>", "'elbow' and 'should"),
+        ("<joint name='stuck' joint1='elbow'/>", "'stuck' between 'elbow' and 'a constant'"),
+        ("<connect name='rod' body1='crank' body2='lower' anchor='.1 0 0'/>", "'crank' and 'lower"),
+        ("<connect body1='lower' anchor='.1 0 0'/>", "'lower' and 'world'"),
+        ("<weld site1='pin' site2='tip'/>", "'crank' and 'lower'"),
+        ("<tendon tendon1='sum'/>", "'sum' and 'a constant'"),
+    ],
+)
+def test_joints_that_are_tied_are_refused_unless_those_that_move_are_asked_for(
+    tmp_path, constraint, words
+):
+    sum_of = "<tendon><fixed name='sum'><joint joint='elbow' coef='1'/><joint joint='shoulder' "
+    sum_of += "coef='1'/></fixed></tendon>"
+    tip = "<site name='tip' pos='.2 0 0'/>"
+    rest = f"{sum_of}<equality>{constraint}</equality>"
+    path = written(tmp_path, tool=tip, scene=CRANK, rest=rest)
+    with pytest.raises(rmj.ResonanceError, match=r"constraint .*robot.joints") as caught:
+        read(path)
+    assert words in str(caught.value)
+    arm, model = read(path, joints=("shoulder",))
+    assert model.neq == 0
+    assert any(note.startswith("taken out: equality constraints") for note in arm.notes)
+    path.write_text(path.read_text().replace("<joint joint1", "<joint active='false' joint1"))
+    if "joint1='elbow' joint2" in constraint:
+        assert read(path)[0].joints == ("shoulder", "elbow")
+
+
+def test_a_linkage_within_a_hand_ties_no_joint_of_the_arm(tmp_path):
+    rest = "<equality><connect body1='left' body2='right' anchor='0 0 0'/></equality>"
+    assert read(written(tmp_path, tool=HAND, rest=rest))[0].joints == ("shoulder", "elbow")
+
+
+def test_what_becomes_of_each_actuator_is_said(tmp_path):
+    tendons = (
+        "<tendon><fixed name='t'><joint joint='elbow' coef='.02'/></fixed></tendon><actuator>"
+        "<muscle name='biceps' joint='shoulder' lengthrange='-1 1'/><motor name='rope' tendon='t' "
+        "ctrlrange='-50 50'/><position name='servo' joint='elbow' forcerange='-5 5'/>"
+        "<position name='finger' joint='l'/></actuator>"
+    )
+    arm, _ = read(written(tmp_path, tool=HAND, rest=tendons))
+    assert "replaced by torque motors, limits kept: actuators servo" in arm.notes
+    (without,) = [note for note in arm.notes if "without limits" in note]
+    assert without.endswith("biceps (a muscle), rope (a tendon)")
+    assert any(note.endswith("turn no joint of the arm: actuators finger") for note in arm.notes)
+
+
+@pytest.mark.parametrize("limit", ["ctrlrange='0 20'", "gear='-1' ctrlrange='0 20'"])
+def test_a_motor_that_turns_its_joint_one_way_only_is_said_and_one_that_does_not_is_none(
+    tmp_path, limit
+):
+    rest = f"<actuator><motor joint='shoulder'/><motor joint='elbow' {limit}/></actuator>"
+    robot = build(for_robot(str(written(tmp_path, rest=rest))))
+    assert sorted(np.abs(robot.torque_limit[1])) == [0, 20]
+    assert [note for note in robot.notes if "elbow" in note and "one way only" in note]
+    arm, _ = read(written(tmp_path, rest=rest.replace(limit, "gear='0'")))
+    assert arm.joints == ("shoulder",)
+
+
+def test_a_time_step_or_integrator_that_the_file_gives_is_kept_or_the_change_is_said(tmp_path):
+    path = written(tmp_path)
+    path.write_text(
+        path.read_text().replace("<mujoco>", '<mujoco><option timestep=".005" integrator="RK4"/>')
+    )
+    experiment = for_robot(str(path))
+    said = [note for note in build(experiment).notes if note.startswith("simulation.")]
+    assert said == [
+        "simulation.timestep is 0.001; the file has 0.005",
+        "simulation.integrator is implicitfast; the file has RK4",
+    ]
+    asked = experiment.replace({"simulation.timestep": 1e-3, "simulation.integrator": "RK4"})
+    assert not [note for note in build(asked).notes if note.startswith("simulation.")]

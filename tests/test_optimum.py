@@ -3,18 +3,22 @@
 import functools
 import math
 
+import mujoco
 import numpy as np
 import pytest
 import two_link
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import minimize
+from scipy.optimize import minimize, nnls
 
 import resonance_mj as rmj
+from resonance_mj.motions.kinematics import Kinematics
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.springs.optimum import best_springs
 
 Q_C = np.array([-0.5, -2.0])
 UNBOUNDED = {"springs.stiffness": [-math.inf, math.inf]}
+PHYSICAL = {"springs.stiffness": [0.0, math.inf]}
 BOUNDS = {
     "k >= 0, |q_e - q_c| <= pi": ([0.0, math.inf], [-math.pi, math.pi], "mean"),
     "k in [2, 20], |q_e - q_c| <= 1": ([2.0, 20.0], [-1.0, 1.0], "mean"),
@@ -310,3 +314,64 @@ def test_motors_of_a_simulated_arm_with_the_optimal_springs_need_the_optimal_tor
     np.testing.assert_array_equal(data["stiffness"].values[-1], optimum.stiffness)
     away = (data["tau"].values - optimum.torque)[100:900]
     assert (away**2).sum(axis=1).mean() < 0.01 * optimum.torque_squared
+
+
+# A device's range of the joint's own angle
+
+RANGE = {"springs.equilibrium": [-2.0, 2.5], "springs.equilibrium_about": "zero"}
+
+
+def best_within_range(q, torque, low=-2.0, high=2.5):
+    """Stiffness k >= 0, and k q_e with q_e in [low, high], of the best springs, by SciPy.
+
+    Such a spring is a sum, with factors of at least 0, of two: one with its equilibrium at each end
+    of the range.
+    """
+    found = []
+    for angles, needed in zip(q.T, torque.T, strict=True):
+        ends = np.stack([low - angles, high - angles], axis=1)
+        a, b = nnls(ends, needed)[0]
+        found.append((a + b, (a * low + b * high)))
+    return np.array(found).T
+
+
+@pytest.mark.parametrize("q_c", ["mean", [3.0, -1.0]])
+@pytest.mark.parametrize("number", [0, 1])
+def test_optimum_within_a_range_of_the_joints_own_angle_is_that_of_bounded_least_squares(
+    number, q_c
+):
+    found = rmj.optimum(rmj.load("paper").replace(PHYSICAL | RANGE | {"law.q_c": q_c}))[number]
+    k, torque_at_zero = best_within_range(*needed(number))
+    np.testing.assert_allclose(found.stiffness, k, rtol=1e-5)
+    np.testing.assert_allclose(
+        found.springs.about(np.zeros(2)).offset, torque_at_zero, rtol=1e-5, atol=1e-9
+    )
+
+
+def test_optimum_ends_where_the_range_does():
+    found = rmj.optimum(rmj.load("paper").replace(PHYSICAL | RANGE))[1]
+    assert found.equilibrium[0] == pytest.approx(2.5, abs=1e-12)
+
+
+def test_what_mujoco_warns_of_meanwhile_is_kept_for_the_notes_and_off_the_screen(
+    monkeypatch, capfd, tmp_path
+):
+    """Whoever asks first, for the optimum or for the notes."""
+    torque = Kinematics.torque
+
+    def warns(self, motion):
+        model = mujoco.MjModel.from_xml_string(
+            "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+        )
+        data = mujoco.MjData(model)
+        data.qpos[0] = math.nan
+        mujoco.mj_step(model, data)
+        return torque(self, motion)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Kinematics, "torque", warns)
+    plan = plan_for(rmj.load("paper"))
+    assert plan.optima
+    assert [line for line in plan.notes if line.startswith("MuJoCo warns: Nan")]
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())

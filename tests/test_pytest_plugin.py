@@ -1,4 +1,4 @@
-"""The pytest plugin in real processes, the assertions, and the cache of runs behind the fixture."""
+"""The pytest plugin in real processes, the assertions, and the runs that the fixture shares."""
 
 import os
 import shutil
@@ -10,10 +10,9 @@ from xml.etree import ElementTree
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj import testing
-from resonance_mj.evaluation.checks import run_cache
-from resonance_mj.evaluation.checks.run_cache import RunCache, fingerprint
+from resonance_mj import pytest_plugin, testing
 from resonance_mj.experiments.loading import for_robot
+from resonance_mj.plan import plan
 
 RUN = """
 [robot]
@@ -106,10 +105,6 @@ def test_workers_collect_what_holds_expect_and_say_what_is_missed(project):
     failures = {case.get("name"): case.findtext("failure") for case in report.iter("testcase")}
     assert "stiffness joint1 [N m/rad]: found" in failures["missed"]
     assert failures["good"] is None
-    # Two runs were made for four tests in two workers, and none is left half-written.
-    kept = list((project / ".pytest_cache" / "d" / "resonance-mj").iterdir())
-    assert len(kept) == 2
-    assert not [path for path in kept if path.suffix == ".tmp"]
 
 
 def test_names_and_the_first_failure_select_and_stop_as_for_any_test(project):
@@ -191,21 +186,7 @@ def test_assertions_refuse_bad_input_as_a_file_does(run, call, words):
     assert [word for word in words if word not in str(caught.value)] == []
 
 
-# The cache of runs
-
-
-@pytest.fixture
-def counted(monkeypatch):
-    """How often an experiment is really simulated."""
-    made = []
-
-    def simulate(experiment):
-        made.append(experiment)
-        return rmj.simulate(experiment)
-
-    monkeypatch.setattr(run_cache, "simulate", simulate)
-    return made
-
+# The runs that tests share
 
 CUBE = (
     "".join(f"v {x} {y} {z}\n" for x in (0, 0.1) for y in (0, 0.1) for z in (0, 0.1))
@@ -237,7 +218,6 @@ def drawn(tmp_path):
     files = {"arm.xml": ARM, "block.obj": CUBE, "options.xml": INCLUDED, "path.csv": CSV}
     for name, text in files.items():
         (tmp_path / name).write_text(text)
-    (tmp_path / "cache").mkdir()
     motion = {"shape": "csv", "file": str(tmp_path / "path.csv"), "duration": 3.0}
     return for_robot(str(tmp_path / "arm.xml")).replace(
         {"motion": [motion], "simulation.timestep": 2e-3}
@@ -255,83 +235,76 @@ def drawn(tmp_path):
     ],
 )
 def test_a_run_is_simulated_anew_when_any_file_has_changed_that_it_depends_on(
-    drawn, counted, tmp_path, name, old, new
+    drawn, resonance_run, tmp_path, name, old, new
 ):
-    """In another process, and in the same one."""
-    cache = RunCache(tmp_path / "cache")
-    before = cache.run(drawn)
-    assert RunCache(tmp_path / "cache").run(drawn).data.identical(before.data)
-    assert len(counted) == 1
+    before = resonance_run(drawn)
+    assert again(before, resonance_run(drawn))
     path = tmp_path / name
     text = path.read_text()
     assert text.count(old) == 1
     path.write_text(text.replace(old, new))
     fresh = rmj.simulate(drawn)
     assert not fresh.data.identical(before.data)
-    for each in (cache, RunCache(tmp_path / "cache")):
-        assert each.run(drawn).data.equals(fresh.data)
+    assert resonance_run(drawn).data.equals(fresh.data)
     # What it was before is found again.
     path.write_text(text)
-    RunCache(tmp_path / "cache").run(drawn)
-    assert len(counted) == 2
+    assert again(before, resonance_run(drawn))
 
 
-def test_a_run_has_the_name_and_expectations_that_it_is_asked_for_with(
-    experiment, counted, tmp_path
-):
-    first = RunCache(tmp_path).run(experiment)
+def again(run, other):
+    """Whether two runs were simulated at once: no other takes the same time to the nanosecond."""
+    return run.simulation_wall_s == other.simulation_wall_s and run.data.equals(other.data)
+
+
+def test_a_robot_named_from_another_folder_is_another_robot(drawn, resonance_run, monkeypatch):
+    folder = Path(drawn.robot.mjcf).parent
+    for name, mass in (("one", "0.5"), ("other", "0.7")):
+        (folder / name).mkdir()
+        for file in ("block.obj", "options.xml"):
+            shutil.copy(folder / file, folder / name)
+        (folder / name / "arm.xml").write_text(ARM.replace('mass="0.5"', f'mass="{mass}"'))
+    runs = []
+    for name in ("one", "other"):
+        monkeypatch.chdir(folder / name)
+        runs.append(resonance_run(drawn.replace({"robot.mjcf": "arm.xml"})))
+    assert not runs[0].data.equals(runs[1].data)
+
+
+def test_a_run_has_the_name_and_expectations_that_it_is_asked_for_with(experiment, resonance_run):
+    first = resonance_run(experiment)
     expect = {"stiffness": "optimal"}
-    again = RunCache(tmp_path).run(experiment.replace({"name": "other", "expect": expect}))
-    assert len(counted) == 1
-    assert again.experiment.name == "other"
-    assert again.experiment.expect.stiffness.value == "optimal"
-    assert again.data.drop_attrs().identical(first.data.drop_attrs())
-    assert again.plan.experiment == again.experiment
+    other = resonance_run(experiment, {"name": "other", "expect": expect})
+    assert again(first, other)
+    assert other.experiment.name == "other"
+    assert other.experiment.expect.stiffness.value == "optimal"
+    assert other.plan.experiment == other.experiment
 
 
-def test_one_test_cannot_change_the_run_of_another(experiment):
-    cache = RunCache(None)
-    cache.run(experiment).data["torque_squared"].values[:] = 0.0
-    assert cache.run(experiment).data["torque_squared"].values.all()
+def test_one_test_cannot_change_the_run_of_another(experiment, resonance_run):
+    resonance_run(experiment).data["torque_squared"].values[:] = 0.0
+    assert resonance_run(experiment).data["torque_squared"].values.all()
 
 
-def test_versions_environment_and_sources_make_another_run(experiment, tmp_path, monkeypatch):
-    found = [fingerprint(experiment)]
-    assert fingerprint(experiment) == found[0]
-    sources = tmp_path / "resonance_mj"
-    (sources / "laws").mkdir(parents=True)
-    (sources / "laws" / "learning.py").write_text("gain = 1\n")
-    for change in (
-        lambda: monkeypatch.setattr(run_cache, "versions", lambda: {"mujoco": "9"}),
-        lambda: monkeypatch.setenv("NUMBA_DISABLE_JIT", "1"),
-        lambda: monkeypatch.setattr(run_cache, "PACKAGE", sources),
-        lambda: (sources / "laws" / "learning.py").write_text("gain = 2\n"),
-    ):
-        change()
-        found.append(fingerprint(experiment))
-    assert len(set(found)) == 5
-
-
-def test_all_sources_of_the_package_are_among_what_a_run_depends_on():
-    from resonance_mj.laws import learning
-
-    assert Path(rmj.__file__).parent == run_cache.PACKAGE
-    assert Path(learning.__file__) in run_cache.PACKAGE.rglob("*.py")
-
-
-def test_a_file_that_changes_while_a_run_is_made_leaves_nothing_behind(
-    drawn, tmp_path, monkeypatch
+def test_a_file_that_changes_while_a_run_is_made_leaves_no_run_of_what_it_was(
+    drawn, resonance_run, tmp_path, monkeypatch
 ):
-    def simulate(experiment):
-        (tmp_path / "path.csv").write_text(CSV.replace("0.32,-0.22", "0.32,-0.21"))
-        return rmj.simulate(experiment)
+    """Between a look at the files and the run."""
+    looked, edited = plan.plan_for, CSV.replace("0.32,-0.22", "0.32,-0.21")
 
-    monkeypatch.setattr(run_cache, "simulate", simulate)
-    RunCache(tmp_path / "cache").run(drawn)
-    assert list((tmp_path / "cache").iterdir()) == []
+    def then_edited(experiment):
+        found = looked(experiment)
+        _ = found.inputs
+        (tmp_path / "path.csv").write_text(texts.pop())
+        return found
+
+    monkeypatch.setattr(plan, "plan_for", then_edited)
+    texts, fixture = [CSV, edited], pytest_plugin.resonance_run.__wrapped__()
+    of_edited = fixture(drawn)
+    (tmp_path / "path.csv").write_text(CSV)
+    assert not fixture(drawn).data.equals(of_edited.data)
 
 
-def test_the_run_of_a_law_of_ones_own_is_always_made_anew(experiment, counted, tmp_path):
+def test_the_run_of_a_law_of_ones_own_is_always_made_anew(experiment, resonance_run, tmp_path):
     """What its file reads or imports is not known."""
     law = tmp_path / "mine.py"
     law.write_text(
@@ -339,57 +312,9 @@ def test_the_run_of_a_law_of_ones_own_is_always_made_anew(experiment, counted, t
         "def learn(u, y, q, stiffness, offset, center, parameters):\n"
         "    return u - gain.BETA * y, stiffness, offset, center\n"
     )
-    (tmp_path / "gain.py").write_text("BETA = 1.0\n")
-    mine = experiment.replace({"law.kind": str(law), "motion.0.duration": 2.0})
-    cache = RunCache(tmp_path)
-    cache.run(mine)
-    cache.run(mine)
-    assert len(counted) == 2
-
-
-def test_what_stands_broken_or_foreign_in_the_cache_is_simulated_anew_and_mended(
-    experiment, counted, tmp_path
-):
-    """Half a file, a file of another run, a whole other run, one that was not made here."""
-    cache, other = tmp_path / "cache", tmp_path / "other"
-    for folder in (cache, other):
-        folder.mkdir()
-    expected = RunCache(cache).run(experiment)
-    RunCache(other).run(experiment.replace({"law.eta": 0.1}))
-    (kept,), (foreign,) = cache.iterdir(), other.iterdir()
-
-    def unsealed():
-        shutil.rmtree(kept)
-        rmj.simulate(experiment.replace({"law.eta": 0.1})).save(kept)
-
-    for damage in (
-        lambda: (kept / "run.nc").write_bytes((kept / "run.nc").read_bytes()[:-1000]),
-        lambda: shutil.copy(foreign / "run.nc", kept),
-        lambda: shutil.copytree(foreign, kept, dirs_exist_ok=True),
-        unsealed,
-    ):
-        damage()
-        before = len(counted)
-        assert RunCache(cache).run(experiment).data.equals(expected.data)
-        assert RunCache(cache).run(experiment).data.equals(expected.data)
-        assert len(counted) == before + 1
-
-
-def test_a_cache_that_cannot_be_written_costs_nothing_but_time(experiment, counted, tmp_path):
-    (tmp_path / "file").touch()
-    for folder in (tmp_path / "file", None):
-        cache = RunCache(folder)
-        assert cache.run(experiment).status is rmj.Status.OK
-        assert cache.run(experiment).status is rmj.Status.OK
-    assert len(counted) == 2
-
-
-def test_the_last_used_runs_stay(experiment, tmp_path, monkeypatch):
-    monkeypatch.setattr(run_cache, "KEPT", 2)
-    one, two, three = (experiment.replace({"law.eta": eta}) for eta in (0.3, 0.4, 0.5))
-    for index, each in enumerate((one, two)):
-        RunCache(tmp_path).run(each)
-        os.utime(tmp_path / fingerprint(each), (index, index))
-    RunCache(tmp_path).run(one)  # used again
-    RunCache(tmp_path).run(three)
-    assert {path.name for path in tmp_path.iterdir()} == {fingerprint(one), fingerprint(three)}
+    mine = experiment.replace({"law.kind": str(law), "motion.0.duration": 4.0})
+    runs = []
+    for beta in ("1.0", "2.0"):
+        (tmp_path / "gain.py").write_text(f"BETA = {beta}\n")
+        runs.append(resonance_run(mine))
+    assert not runs[0].data.equals(runs[1].data)

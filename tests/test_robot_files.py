@@ -14,6 +14,7 @@ import resonance_mj as rmj
 from resonance_mj.evaluation.inspection import inspect
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.robots import mjcf, source
+from resonance_mj.robots.decompiling import spec_of
 from resonance_mj.robots.robot import build
 from resonance_mj.robots.warned import heard
 
@@ -22,7 +23,8 @@ ARM = """<mujoco>{head}<compiler angle="radian"/><option {option}/><worldbody>{s
 <geom name="link" type="capsule" fromto="0 0 0 .3 0 0" size=".02" {geom}/>
 <body name="lower" pos=".3 0 0"><joint name="elbow" axis="0 1 0" range="-2 2" limited="true"/>
 <geom type="capsule" fromto="0 0 0 .25 0 0" size=".02"/><site name="tool" pos=".25 0 0" {site}/>
-</body></body></worldbody><actuator><motor name="drive" joint="shoulder" {drive}/></actuator>
+</body></body></worldbody><actuator><motor name="drive" joint="shoulder" {drive}/>
+<motor joint="elbow"/></actuator>
 {rest}</mujoco>"""
 NAMES = ("head", "option", "scene", "upper", "shoulder", "geom", "site", "drive", "rest")
 PARTS = dict.fromkeys(NAMES, "")
@@ -105,7 +107,9 @@ def test_a_joint_may_be_called_nan_or_inf(tmp_path):
 
 @pytest.mark.parametrize("armature", ["0", "0.01"])
 def test_two_joints_on_one_axis_are_refused_unless_their_motors_tell_them_apart(tmp_path, armature):
-    path = written(tmp_path, shoulder=f'armature="{armature}"/><joint name="twin" axis="0 1 0"')
+    twin = f'armature="{armature}"/><joint name="twin" axis="0 1 0"'
+    driven = '<actuator><motor joint="twin"/></actuator>'
+    path = written(tmp_path, shoulder=twin, rest=driven)
     if armature == "0":
         assert "joints 'shoulder' and 'twin' move the same masses" in refused(path)
     else:
@@ -430,3 +434,159 @@ def test_an_archive_is_never_unpacked_and_a_damaged_or_huge_one_is_refused(tmp_p
 def test_find_says_what_a_name_could_have_meant(tmp_path):
     with pytest.raises(rmj.ResonanceError, match=r"no such file.*two_link.xml"):
         mjcf.find(str(tmp_path))
+
+
+def packaged(folder, mesh_at):
+    """A URDF whose arm has a mesh in a package, for the eye and to touch."""
+    shape = '<geometry><mesh filename="package://my_arm/meshes/upper.obj"/></geometry>'
+    path = folder / "urdf" / "arm.urdf"
+    path.parent.mkdir(parents=True)
+    text = URDF.replace("../meshes/upper.obj", "package://my_arm/meshes/upper.obj")
+    after = '</link>\n<link name="lower">'
+    path.write_text(text.replace(after, f"<collision>{shape}</collision>{after}"))
+    mesh(mesh_at / "meshes" / "upper.obj")
+    return path
+
+
+@pytest.mark.parametrize("place", ["own", "named by package.xml", "beside", "given", "ros", "deep"])
+def test_a_package_is_found_around_the_file_in_given_roots_and_where_ros_looks(
+    tmp_path, monkeypatch, place
+):
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    root = tmp_path / {"own": "my_arm", "named by package.xml": "my_arm-main"}.get(place, "else")
+    elsewhere = tmp_path / "ws" / "src" / ("deep/my_arm" if place == "deep" else "my_arm")
+    where = {"beside": tmp_path / "my_arm"} | dict.fromkeys(("given", "ros", "deep"), elsewhere)
+    path = packaged(root, where.get(place, root))
+    if place.startswith("named"):
+        (root / "package.xml").write_text("<package><name>my_arm</name></package>")
+    if place == "ros":
+        monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere{os.pathsep}{tmp_path / 'ws' / 'src'}")
+    experiment = for_robot(str(path))
+    if place in ("given", "deep"):
+        with pytest.raises(rmj.ResonanceError, match=r"package://my_arm/.*robot.packages"):
+            build(experiment)
+        experiment = experiment.replace({"robot.packages": [str(tmp_path / "ws" / "src")]})
+    robot = build(experiment)
+    assert robot.model.nmesh == 1
+    assert robot.model.ngeom == 3, "what is seen, what touches, and the sphere"
+    assert len(source.files(path, experiment.robot.packages)) == 2
+
+
+def test_a_urdf_keeps_its_efforts_as_limits_and_a_mimicked_joint_is_named(tmp_path):
+    limits = '<limit lower="-2" upper="2" effort="{}" velocity="1"/>'
+    text = URDF.replace("continuous", "revolute")
+    text = text.replace(
+        '<axis xyz="0 1 0"/></joint>\n', f'<axis xyz="0 1 0"/>{limits.format(30)}</joint>\n'
+    )
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        text.replace('"0 1 0"/></joint></robot>', f'"0 1 0"/>{limits.format(7)}</joint></robot>')
+    )
+    np.testing.assert_array_equal(build(for_robot(str(path))).torque_limit, [[-30, 30], [-7, 7]])
+    path.write_text(path.read_text().replace("</joint></robot>", '<mimic joint="shoulder" '
+                                             'multiplier="2"/></joint></robot>'))  # fmt: skip
+    assert "'elbow'" in refused(path)
+    assert "'shoulder'" in refused(path)
+
+
+# Other forms of a robot than one file of text
+
+
+def alike(one, other):
+    """Whether two robots are the same arm."""
+    assert one.joints == other.joints
+    for field in ("home", "inertia", "jacobian", "torque_limit", "position"):
+        np.testing.assert_allclose(getattr(one, field), getattr(other, field), atol=1e-12)
+
+
+@pytest.mark.parametrize("form", ["mjb", "MjSpec", "MjModel", "folder", "scene", "named"])
+def test_a_compiled_model_a_spec_and_a_folder_are_the_robot_that_they_hold(
+    tmp_path, monkeypatch, form
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    home = '<keyframe><key name="home" qpos=".3 -.7"/></keyframe>'
+    path = written(
+        tmp_path / "robot", drive='ctrlrange="-3 3"', shoulder='damping=".4 .1"', rest=home
+    )
+    given = str(path.parent)
+    if form == "mjb":
+        given = str(tmp_path / "arm.mjb")
+        mujoco.mj_saveModel(mujoco.MjModel.from_xml_path(str(path)), given)
+    elif form == "MjSpec":
+        given = mujoco.MjSpec.from_file(str(path))
+    elif form == "MjModel":
+        given = mujoco.MjModel.from_xml_path(str(path))
+    elif form == "scene":
+        scene = '<mujoco><include file="arm.xml"/></mujoco>'
+        (path.parent / "scene.xml").write_text(scene)
+    elif form == "named":
+        written(tmp_path / "robot", "hand.xml")
+        path.rename(path.with_name("robot.xml"))
+        path = path.with_name("robot.xml")
+    experiment = for_robot(given)
+    alike(build(experiment), build(for_robot(str(path))))
+    assert rmj.load("paper").replace({"robot.mjcf": given}).robot.mjcf == experiment.robot.mjcf
+    assert rmj.Experiment(name="a", robot={"mjcf": given}).robot == experiment.robot
+    run = rmj.simulate(experiment.replace({"motion.0.duration": 2.0}))
+    assert run.status is not rmj.Status.DIVERGED
+    assert len(inspect(experiment).joints) == 2
+
+
+def test_a_compiled_model_is_taken_apart_whole(tmp_path):
+    """The same accelerations, contacts included, of what is compiled anew from its parts."""
+    more = (
+        '<tendon><spatial name="rope" stiffness="9"><site site="tool"/><geom geom="bulb"/>'
+        '<site site="peg"/></spatial>'
+        '<fixed name="sum"><joint joint="elbow" coef="2"/></fixed></tendon>'
+        '<equality><joint joint1="elbow" joint2="shoulder" polycoef="0 .5 0 0 0"/></equality>'
+        '<actuator><muscle joint="elbow" lengthrange="-1 1"/><position tendon="sum" kp="3"/>'
+        '<motor site="tool" refsite="peg" gear="1 0 0 0 0 0"/></actuator>'
+        '<contact><exclude body1="upper" body2="ball"/></contact>'
+    )
+    mesh(tmp_path / "a.obj")
+    path = written(
+        tmp_path,
+        head='<asset><mesh name="a" file="a.obj"/></asset>',
+        scene=FLOOR + '<body name="ball" pos="0 0 .1"><freejoint/><geom size=".15"/></body>'
+        '<site name="peg" pos="0 0 1"/><geom name="bulb" size=".1" pos="0 0 .6"/>',
+        geom='/><geom type="mesh" mesh="a" pos=".1 0 0" euler=".1 .2 .3"',
+        shoulder='stiffness="3 1" springref=".2" frictionloss=".1" ref=".1"',
+        rest=more,
+    )
+    original = mujoco.MjModel.from_xml_path(str(path))
+    again = spec_of(original, "arm").compile()
+    found = []
+    for model in (original, again):
+        data = mujoco.MjData(model)
+        rng = np.random.default_rng(3)
+        data.qpos += 0.1 * rng.standard_normal(model.nq)
+        data.qvel[:], data.ctrl[:] = rng.standard_normal(model.nv), 0.3
+        mujoco.mj_forward(model, data)
+        found.append((data.ncon, data.nefc, data.qacc))
+    assert found[0][:2] == found[1][:2]
+    assert found[0][0] > 0
+    np.testing.assert_allclose(found[0][2], found[1][2], rtol=1e-6, atol=1e-6)
+
+
+def test_a_damaged_or_incomplete_compiled_model_and_a_folder_of_several_robots_are_refused(
+    tmp_path,
+):
+    (tmp_path / "arm.mjb").write_bytes(b"MJB" * 100)
+    assert "arm.mjb: MuJoCo rejects it" in refused(tmp_path / "arm.mjb")
+    path = written(tmp_path / "two", scene=CLOTH.replace("<edge equality='true'/>", ""))
+    with heard():
+        mujoco.mj_saveModel(mujoco.MjModel.from_xml_path(str(path)), str(tmp_path / "cloth.mjb"))
+    assert "has flex, which cannot be taken out" in refused(tmp_path / "cloth.mjb")
+    written(tmp_path / "two", "other.xml")
+    assert "a folder with several robots" in refused(tmp_path / "two")
+
+
+def test_an_inertia_that_no_body_can_have_becomes_the_nearest_possible_and_is_said(tmp_path):
+    path = tmp_path / "arm.urdf"
+    sane = 'ixx="0.01" iyy="0.02" izz="0.02"'
+    path.write_text(URDF.replace(sane, 'ixx="-1e-9" iyy="0.02" izz="0.05"'))
+    robot = build(for_robot(str(path)))
+    assert any("inertias" in note and note.endswith(": lower") for note in robot.notes)
+    np.testing.assert_allclose(robot.model.body("lower").inertia, [0.05, 0.035, 0.015], rtol=1e-3)
+    path.write_text(URDF)
+    assert not any("inertias" in note for note in build(for_robot(str(path))).notes)

@@ -91,7 +91,8 @@ def together():
 def test_two_cycles_of_every_run_are_finite_and_the_same_bits_alone_and_in_a_batch(name, together):
     """Of all robots and laws at once, on two threads."""
     alone = rmj.simulate(two_cycles(name))
-    assert alone.status is together[name].status is rmj.Status.OK
+    assert alone.status is together[name].status is not rmj.Status.DIVERGED
+    assert alone.message == together[name].message
     for signal, values in alone.data.items():
         if values.dtype.kind == "f" and "equilibrium" not in signal:
             assert np.isfinite(values).all(), signal
@@ -117,7 +118,7 @@ def test_every_run_says_what_it_must_show():
     """Springs, torque and status of each motion, as numbers or as the optimum."""
     for name in RUNS:
         expect = rmj.load(name).expect
-        assert expect.status is rmj.Status.OK
+        assert (expect.status is rmj.Status.OK) == (name != "paper-transpose")
         for motion in expect.motion or [expect]:
             figures = expect.figures() | motion.figures()
             assert {"stiffness", "torque_reduction", "tracking_rms"} <= set(figures), name

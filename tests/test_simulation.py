@@ -551,7 +551,7 @@ def test_diverging_run_is_until_then_the_run_of_fewer_cycles():
     fewer = run.data.sizes["cycle"] - 1
     assert fewer >= 2
     before = rmj.simulate(short(DIVERGING["learning gain"], cycles=fewer))
-    assert before.status == rmj.Status.OK
+    assert before.status is not rmj.Status.DIVERGED
     xr.testing.assert_equal(run.data["tau"][: 1000 * fewer], before.data["tau"])
 
 

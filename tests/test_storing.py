@@ -320,7 +320,7 @@ def test_opening_a_run_executes_nothing_of_it(sent):
     folder, _ = sent
     (law,) = folder.glob("inputs-*/law-mine.py")
     law.unlink()
-    assert rmj.Run.load("run").status is rmj.Status.OK
+    assert rmj.Run.load("run").data.sizes["cycle"] > 0
 
 
 def test_a_robot_that_changed_before_its_run_was_saved_is_not_kept_as_if_it_were_the_one(tmp_path):

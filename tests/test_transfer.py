@@ -205,3 +205,50 @@ def test_a_joint_that_stands_still_gets_no_stiffness_beside_others_that_move():
     k = fit(q, u - 2.0 * q, free, np.zeros(3)).stiffness
     assert k[1] == 0
     assert (np.abs(k[[0, 2]]) > 0.1).all()
+
+
+RANGE = {
+    "springs.stiffness": [0.0, math.inf],
+    "springs.equilibrium": [-2.0, 2.5],
+    "springs.equilibrium_about": "zero",
+}
+"""A device's: of the joint's own angle, wherever that moves."""
+
+
+def test_transfer_ends_at_the_optimum_within_a_range_of_the_joints_own_angle():
+    experiment = rmj.load("two-link-transfer")
+    second = experiment.motion[1].model_dump() | {"duration": 25.0}
+    run = rmj.simulate(experiment.replace(RANGE | {"motion": [second]}))
+    found, best = run.summary()["segments"][0], run.data.isel(segment=0)
+    np.testing.assert_allclose(found["stiffness"], found["stiffness_optimal"], rtol=0.01)
+    assert found["torque_squared"] == pytest.approx(found["torque_squared_optimal"], rel=0.02)
+    assert best["equilibrium_optimal"].values[0] == pytest.approx(2.5, abs=1e-9)
+    assert run.data["equilibrium"].values[-1, 0] == pytest.approx(2.5, abs=1e-9)
+    acts = run.data["stiffness"].values[:, 0] > 0
+    assert run.data["equilibrium"].values[acts, 0].max() < 2.5 + 1e-9
+
+
+@pytest.mark.parametrize("q_c", ["mean", "running", [-0.5, -2.0]])
+def test_adaptation_stays_within_a_range_of_the_joints_own_angle_wherever_q_c_is(q_c):
+    experiment = rmj.load("paper")
+    motion = experiment.motion[1].model_dump() | {"duration": 6.0}
+    changes = {"motion": [motion], "law.q_c": q_c, "springs.stiffness": [1.0, 40.0]}
+    changes |= {"law.gamma_k": 40.0, "law.gamma_qe": 40.0}
+    data = rmj.simulate(experiment.replace(RANGE | changes)).data
+    q_e = data["equilibrium"].values
+    assert ((q_e >= -2.0 - 1e-9) & (q_e <= 2.5 + 1e-9)).all()
+    assert np.isclose(q_e, 2.5).any()
+    free = rmj.simulate(experiment.replace(RANGE | changes | {"springs.equilibrium": [-9.0, 9.0]}))
+    assert free.data["equilibrium"].values.max() > 2.5
+
+
+def test_springs_told_to_begin_beyond_a_range_of_the_joints_own_angle_are_refused_with_it():
+    inside = rmj.load("two-link-transfer").replace(RANGE | {"springs.initial_stiffness": 2.0})
+    inside = inside.replace({"motion.0.duration": 2.0, "motion.1.duration": 2.0})
+    inside = inside.replace({"springs.initial_equilibrium": [2.4, -1.9]})
+    start = rmj.simulate(inside).data["equilibrium"].values[0]
+    np.testing.assert_allclose(start, [2.4, -1.9])
+    for angles in ([2.6, -1.9], [2.4, -2.1]):
+        outside = inside.replace({"springs.initial_equilibrium": angles})
+        with pytest.raises(rmj.ResonanceError, match=r"springs\.equilibrium: -2 to 2\.5$"):
+            rmj.simulate(outside)

@@ -1,11 +1,14 @@
 """The transfer law on the paper's arm: at the optimum in ten cycles, and there to stay."""
 
+import re
 from functools import cache
 
 import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj import library
+from resonance_mj.experiments.loading import for_robot
 
 
 @cache
@@ -75,3 +78,54 @@ def test_a_joint_that_stands_still_gets_no_stiffness_and_stays_stable():
     assert found.status is rmj.Status.OK, found.message
     assert found.data["q"].values[-1000:, -1].std() < 1e-4
     assert found.data["stiffness"].values[-1, -1] < 1e-3
+
+
+@pytest.mark.parametrize("damping", [2.0, 20.0, 500.0])
+def test_damped_joints_follow_their_path_because_the_gain_has_their_damping(tmp_path, damping):
+    text = library.robots()["two_link.xml"].read_text()
+    assert text.count("damping=") == 2
+    (tmp_path / "arm.xml").write_text(re.sub(r'damping="[^"]*"', f'damping="{damping}"', text))
+    experiment = for_robot(str(tmp_path / "arm.xml"))
+    found = rmj.simulate(experiment, strict=True).summary()["segments"][0]
+    assert found["tracking_rms"] < 1e-4
+    assert found["cycles_to_optimum"] <= 10
+
+
+def test_an_arm_of_millimetres_and_milligrams_reaches_its_optimum_though_it_falls_fast(tmp_path):
+    (tmp_path / "arm.xml").write_text(
+        """<mujoco><compiler angle="radian"/><worldbody>
+        <body><joint name="j1" axis="0 -1 0" damping="2e-11"/>
+          <geom type="capsule" size="2e-4" fromto="0 0 0 .003 0 0" mass="1e-6"/>
+          <inertial pos=".0015 0 0" mass="1e-6" diaginertia="3e-12 3e-12 3e-12"/>
+          <body pos=".003 0 0"><joint name="j2" axis="0 -1 0" damping="2e-11"/>
+            <geom type="capsule" size="2e-4" fromto="0 0 0 .0025 0 0" mass="1e-6"/>
+            <inertial pos=".0012 0 0" mass="1e-6" diaginertia="2e-12 2e-12 2e-12"/>
+            <site name="tool" pos=".0025 0 0"/></body></body></worldbody>
+        <keyframe><key name="home" qpos="1.2 .8"/></keyframe></mujoco>"""
+    )
+    run = rmj.simulate(for_robot(str(tmp_path / "arm.xml")))
+    found = run.summary()["segments"][0]
+    assert run.status is rmj.Status.OK
+    assert found["cycles_to_optimum"] <= 12
+    slow = run.experiment.replace({"law.alpha": 10.0, "law.omega": 60.0})
+    assert rmj.simulate(slow).status is not rmj.Status.OK
+
+
+@pytest.mark.parametrize("motors", [4.0, 6.0])
+def test_motors_that_cannot_hold_the_arm_without_springs_reach_the_optimum_with_them(
+    tmp_path, motors
+):
+    limit = f'ctrlrange="{-motors} {motors}"'
+    text = library.robots()["two_link.xml"].read_text()
+    text = re.sub(r"<actuator>.*</actuator>", "", text, flags=re.S).replace(
+        "</mujoco>",
+        f'<actuator><motor joint="joint1" {limit}/><motor joint="joint2" {limit}/></actuator>'
+        "</mujoco>",
+    )
+    (tmp_path / "arm.xml").write_text(text)
+    run = rmj.simulate(for_robot(str(tmp_path / "arm.xml")).replace({"motion.0.duration": 30.0}))
+    needed = run.plan.loaded[0].torque(run.plan.joints[0])
+    assert np.abs(needed).max() > motors
+    assert np.abs(run.data["tau"].values).max() <= motors
+    assert run.status is rmj.Status.OK
+    assert run.motions[0].cycles_to_optimum <= 20

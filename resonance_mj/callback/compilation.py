@@ -17,8 +17,7 @@ from ..errors import ExperimentError
 from ..laws import memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom
-from ..laws.memory import Header, block, matrix
-from ..laws.own import own, row
+from ..laws.memory import Header, block, matrix, own, row
 from ..step_functions import STEP_FUNCTIONS
 from ..text import cut
 from .frozen import globals_read

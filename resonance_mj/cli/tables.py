@@ -8,6 +8,7 @@ import numpy as np
 from rich import box
 from rich.console import Group
 from rich.table import Table
+from rich.text import Text
 
 from ..text import NOTHING, number
 
@@ -70,7 +71,7 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
                 cells.append(_times(value, scale, digits) if name in one else "")
         drawn.add_row(label, *cells)
 
-    def alone(label: str, cells: Sequence[str]) -> None:
+    def alone(label: str, cells: Sequence[str | Text]) -> None:
         drawn.add_row(label, *(cell for one in cells for cell in (one, "")))
 
     row("torque reduction [%]", "torque_reduction", 100, 1)
@@ -85,7 +86,13 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     if "rotation_rms" in run.data:
         alone("rotation RMS [mrad]", [_small(one["rotation_rms"]) for one in found])
     alone("first cycle at the optimum", [_reached(motion) for motion in motions])
+    alone("the last cycle is", [_verdict(motion) for motion in motions])
     return drawn
+
+
+def _verdict(motion: MotionOfRun) -> Text:
+    off = bool(len(motion.cycles)) and not motion.tracks[-1]
+    return Text(motion.verdict, style="bold red" if off else "")
 
 
 def _reached(motion: MotionOfRun) -> str:

@@ -158,7 +158,7 @@ def _written_out(complete: Experiment, robot: Robot, gains: Gains, tool: Tool) -
     home = given.home if isinstance(given.home, str) else robot.home.tolist()
     coordinates = [*robot.position_axes, *(["rotation"] if robot.rotates else [])]
     changes = {
-        "robot.mjcf": str(path.resolve()) if path.is_file() else given.mjcf,
+        "robot.mjcf": str(path.resolve()) if path.exists() else given.mjcf,
         "robot.tool": tool.name,
         "robot.home": home,
         "task.coordinates": coordinates,
@@ -174,7 +174,9 @@ WORTH_CHANGING = (
     "name",
     "robot.mjcf",
     "robot.tool",
+    "robot.joints",
     "robot.home",
+    "robot.packages",
     "task.coordinates",
     "simulation.timestep",
     "motion.0.duration",
@@ -210,7 +212,7 @@ def _toml(found: Inspection) -> str:
     for key in WORTH_CHANGING:
         parent, _, last = key.rpartition(".")
         value = _at(values, key)
-        if value is None:
+        if value is None or value == ():
             continue
         if parent != section:
             section = parent

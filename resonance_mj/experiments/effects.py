@@ -76,6 +76,8 @@ def _reasons(
         centred = centred or np.any(springs.initial_stiffness)
     if not own and not (centred and (adapts or law.printed)):
         yield "law.q_c", f"{kind} does not adapt the springs by (6), (7) here"
+    if np.isinf(springs.equilibrium).all():
+        yield "springs.equilibrium_about", "springs.equilibrium has no bounds"
     if law.kind in ("fixed", "computed-torque"):
         for name in ("initial_stiffness", "initial_equilibrium"):
             yield f"springs.{name}", f"{kind} is given the optimal springs"

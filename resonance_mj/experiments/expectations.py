@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from ..status import Status
 from ..text import shown
@@ -91,7 +91,7 @@ class OfMotion(Section):
     """What a motion must show in its last whole cycle."""
 
     status: Status | None = None
-    """How it must end: ok if all its cycles are simulated, or diverged."""
+    """How it must end: ok if all its cycles are simulated and the tool follows its path."""
     stiffness: Figure = None
     """k [N m/rad], for slide joints [N/m]."""
     offset: Figure = None
@@ -107,21 +107,18 @@ class OfMotion(Section):
     cycles_to_optimum: Figure = None
     """First cycle of the motion from which torque² stays within 5 % of the optimum's."""
 
-    @field_validator("torque_share", "tracking_rms", "cycles_to_optimum")
+    @field_validator("torque_reduction", "torque_share", "tracking_rms", "cycles_to_optimum")
     @classmethod
-    def _has_no_optimum(cls, given: Expected | None) -> Expected | None:
-        if given is not None and given.value == "optimal":
+    def _is_of_no_joint(cls, given: Expected | None, info: ValidationInfo) -> Expected | None:
+        if given is None:
+            return None
+        if given.value == "optimal" and info.field_name not in WITH_OPTIMUM:
             raise ValueError(
                 f"value = 'optimal' belongs to {', '.join(WITH_OPTIMUM)}: give a number"
             )
-        return given
-
-    @field_validator("torque_reduction", "torque_share", "tracking_rms", "cycles_to_optimum")
-    @classmethod
-    def _is_of_no_joint(cls, given: Expected | None) -> Expected | None:
-        if given is not None and isinstance(given.value, tuple):
+        if isinstance(given.value, tuple):
             raise ValueError(f"value = {shown(given.value)}: one number is needed")
-        if given is not None and given.joints is not None:
+        if given.joints is not None:
             raise ValueError(f"joints belongs to {', '.join(PER_JOINT)}")
         return given
 
@@ -135,7 +132,7 @@ class Expect(OfMotion):
     """What a run must show; the figures are those of each of its motions."""
 
     status: Status = Status.OK
-    """How the run must end: ok, or diverged."""
+    """How the run must end: ok, not tracking, in contact or diverged."""
     motion: tuple[OfMotion, ...] = ()
     """What single motions must show besides: a table [[expect.motion]] for each, in order."""
     versions: dict[str, str] | None = None

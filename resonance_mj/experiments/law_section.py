@@ -40,13 +40,15 @@ class Law(Section):
     and under RK4 and difference else if not given."""
     k_v: Gains | None = None
     """Velocity feedback K_v [N s/m], one for all coordinates or one each; if neither k_v nor k_p is
-    given, the feedback is -omega M y with the inertia M at home."""
+    given, it is -(omega M + D) y with the inertia M at home and the joints' damping D."""
     k_p: Gains | None = None
     """Position feedback K_p [N/m], one for all coordinates or one each."""
     omega: Gain | None = None
-    """Bandwidth of the inertial feedback [1/s]; found from the time step if not given."""
-    alpha: Gain = 10.0
-    """Weight of the position error in (8) [1/s]."""
+    """Bandwidth of the inertial feedback [1/s]; 60, or more on an arm that falls fast, and at most
+    a tenth of 1/timestep, if not given."""
+    alpha: Gain | None = None
+    """Weight of the position error in (8) [1/s]; 10, or the rate at which the arm falls from its
+    home if that is higher, if not given."""
     alpha_0: Gain = 10.0
     """Weight of the posture's error in the null space [1/s]."""
     beta: Gain | None = None

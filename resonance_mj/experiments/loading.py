@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from .. import library
 from ..errors import ExperimentError
 from ..files import is_file, read_text
 from ..text import listed, nearest, shown
 from .experiment import Experiment
+from .model_objects import as_file
 from .validation import NESTED, validated
 
 
@@ -39,18 +41,19 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         # A file that is named in an experiment is looked for beside it first.
         if isinstance(table, dict) and isinstance(table.get(key), str):
             beside = path.parent / table[key]
-            if is_file(beside):
+            if is_file(beside) or (table[key] and beside.is_dir()):
                 table[key] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return validated(Experiment, values, str(path))
 
 
-def for_robot(mjcf: str) -> Experiment:
+def for_robot(mjcf: Any) -> Experiment:
     """An experiment for an arm, with everything else found.
 
     Args:
-        mjcf: path, or name in mjcf/; the experiment takes its name from it.
+        mjcf: path, name in mjcf/, MjSpec or MjModel; the experiment takes its name from it.
     """
+    mjcf = as_file(mjcf)
     path = Path(mjcf)
     stem = path.parent.name if path.stem in ("robot", "scene", "model") else path.stem
     name = "".join(

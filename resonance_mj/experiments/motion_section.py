@@ -79,19 +79,17 @@ class Motion(Section):
             raise ValueError(
                 "a motion of shape 'csv' needs file: the path of a CSV of waypoints, a row each"
             )
-        for name, rows in (
-            ("rotation_sin", self.rotation_sin),
-            ("rotation_cos", self.rotation_cos),
-        ):
-            if rows and len(rows) != 3:
+        numbers = len(self.offset or ())
+        for name in ("rotation_sin", "rotation_cos", "sin", "cos"):
+            rows = len(getattr(self, name))
+            if name.startswith("rotation") and rows not in (0, 3):
                 raise ValueError(
-                    f"{name} has {len(rows)} rows; 3 are needed, one each for rx, ry and rz"
+                    f"{name} has {rows} rows; 3 are needed, one each for rx, ry and rz"
                 )
-        for name, rows in (("sin", self.sin), ("cos", self.cos)):
-            if rows and len(rows) != len(self.offset or ()):
+            if name in ("sin", "cos") and rows not in (0, numbers):
                 raise ValueError(
-                    f"{name} has {len(rows)} rows and offset has {len(self.offset or ())} numbers: "
-                    "both need one per coordinate"
+                    f"{name} has {rows} rows and offset has {numbers} numbers: both need one per "
+                    "coordinate"
                 )
         cycles = self.duration / self.period
         if cycles > MOST_CYCLES or abs(cycles - round(cycles)) > 1e-9 * cycles:

@@ -5,25 +5,37 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ..text import shown
+from .model_objects import as_file
 from .section import Alone, Angles, Bound, Finite, Name, Numbers, Positive, Section, Stiffness
 
 
 class Robot(Section):
     """Which arm, which of its points follows the motion, and where it starts."""
 
-    mjcf: Name
-    """A path, or the name of a file in mjcf/."""
+    mjcf: Annotated[Name, BeforeValidator(as_file)]
+    """A path, or the name of a file in mjcf/; in Python an MjSpec or MjModel as well."""
     tool: Name | None = None
     """The site or body that follows the motion; found if not given."""
+    arm: Name | None = None
+    """Of several arms the one that has this word in the names of its joints or tool, such as left;
+    the one with the most joints if not given."""
+    joints: Annotated[tuple[Name, ...], Field(min_length=1), Alone] | None = None
+    """The joints that move, of those between the world and the tool; the others are held. All that
+    the file drives if not given, but for a mobile base's."""
+    base: Literal["hold"] = "hold"
+    """A base that floats freely in the file is held where the home pose has it."""
     home: Name | Numbers | None = None
     """Joint angles at the start, at rest [rad], or a keyframe's name; found if not given."""
     contacts: bool = True
     """Whether bodies collide."""
     limits: bool = True
     """Whether joints stop at the ends of their range."""
+    packages: Annotated[tuple[Name, ...], Alone] = ()
+    """Folders that hold the packages of a URDF's package:// names, besides its own and those of
+    ROS_PACKAGE_PATH."""
 
 
 class Task(Section):
@@ -80,7 +92,10 @@ class Springs(Section):
     stiffness: tuple[Bound, Bound] = (0.0, math.inf)
     """Bounds of the stiffness [N m/rad]."""
     equilibrium: tuple[Bound, Bound] = (-math.pi, math.pi)
-    """Bounds of the equilibrium angle q_e - q_c [rad]."""
+    """Bounds of the equilibrium angle q_e [rad], about what equilibrium_about says."""
+    equilibrium_about: Literal["center", "zero"] = "center"
+    """center: the bounds are of q_e - q_c, where q_c is the mean joint angle or law.q_c; zero: of
+    q_e itself, the joint's own angle, as those of a device are."""
     initial_stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
     """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0

@@ -14,8 +14,8 @@ from ..springs import spring as springs
 from ..step_functions import step_function
 from . import equations
 from .memory import Header
-from .own import own as views
-from .own import row as record
+from .memory import own as views
+from .memory import row as record
 
 Command = Callable[..., None]
 """Sets y and τ in the memory from (memory, qpos, qvel)."""

@@ -7,7 +7,6 @@ import inspect
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,13 +14,15 @@ from typing import Any
 import numpy as np
 
 from ..errors import ExperimentError
+from ..experiments.experiment import Experiment
 from ..experiments.law_section import KINDS
 from ..files import read_text
-from ..springs.fit import Bounds, LinearSprings
+from ..springs.fit import LinearSprings
 from ..text import cut, listed, one_line
 from .controller import Command, standard
-from .learning import Cycle, Learned
-from .own import own as views
+from .gains import Gains
+from .learning import Cycle, Learn, Learned
+from .memory import own as views
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""
@@ -30,58 +31,12 @@ LEARN = ("u", "y", "q", "stiffness", "offset", "center", "parameters", "bounds")
 """What a custom law's `learn` may take, by name; it returns u, stiffness, offset, center."""
 
 
-@dataclass(frozen=True)
-class CustomLaw:
-    """What a law's file gives; what it does not give is the transfer law's.
-
-    Attributes:
-        command: the control step's part that sets y and τ.
-        learn: what happens between two cycles, or None.
-        file: its path.
-    """
-
-    command: Command
-    learn: Callable[..., Any] | None
-    file: str
-
-    def learned(self, cycle: Cycle, parameters: tuple[float, ...], bounds: Bounds) -> Learned:
-        """What the file's `learn` returns for a cycle.
-
-        Args:
-            cycle: the last one; `learn` gets copies of its signals.
-            parameters: `law.parameters`.
-            bounds: of the springs, about the centre.
-
-        Raises:
-            ExperimentError: it raises, or what it returns is not of the documented shapes or not
-                finite.
-        """
-        assert self.learn is not None
-        signals = {name: getattr(cycle, name).copy() for name in ("u", "y", "q")}
-        signals |= {name: part.copy() for name, part in cycle.springs._asdict().items()}
-        given = signals | {"parameters": np.array(parameters), "bounds": bounds}
-        names = inspect.signature(self.learn).parameters
-        try:
-            found = tuple(
-                np.asarray(part, float)
-                for part in self.learn(**{name: given[name] for name in names})
-            )
-        except (Exception, SystemExit) as error:
-            raise ExperimentError(f"{self.file}: learn raised {said(error, self.file)}") from error
-        wanted = [cycle.u.shape, *(part.shape for part in cycle.springs)]
-        shapes = [part.shape for part in found]
-        if shapes != wanted or not all(np.isfinite(part).all() for part in found):
-            raise ExperimentError(
-                f"{self.file}: learn returned {listed(map(str, shapes), 'nothing')}"
-                f"{'' if shapes != wanted else ' with numbers that are not finite'}; finite u, "
-                f"stiffness, offset, center of shapes {listed(map(str, wanted))} are needed"
-            )
-        u, *springs = found
-        return Learned(u, LinearSprings(*springs))
-
-
-def load(file: str) -> CustomLaw:
+def load(file: str) -> tuple[Command, Learn | None]:
     """Execute a law's file: each time anew, so that an edit counts.
+
+    Returns:
+        The control step's part that sets y and τ, the transfer law's where the file has none; and
+        what happens between two cycles, or None.
 
     Raises:
         ExperimentError: there is no such file, it cannot be executed, or its functions are not of
@@ -101,7 +56,37 @@ def load(file: str) -> CustomLaw:
         raise ExperimentError(
             f"{file}: learn has the argument {min(unknown)!r}; it may have {', '.join(LEARN)}"
         )
-    return CustomLaw(standard if command is None else _adapted(command), learn, file)
+
+    def learned(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
+        assert learn is not None
+        return _learned(file, learn, cycle, experiment)
+
+    return (
+        standard if command is None else _adapted(command),
+        None if learn is None else learned,
+    )
+
+
+def _learned(file: str, learn: Callable[..., Any], cycle: Cycle, experiment: Experiment) -> Learned:
+    """What a file's `learn` returns for copies of a cycle's signals; refused if it is no good."""
+    given = {name: getattr(cycle, name).copy() for name in ("u", "y", "q")}
+    given |= {name: part.copy() for name, part in cycle.springs._asdict().items()}
+    given |= {"parameters": np.array(experiment.law.parameters), "bounds": experiment.springs}
+    names = inspect.signature(learn).parameters
+    try:
+        found = tuple(np.asarray(part, float) for part in learn(**{n: given[n] for n in names}))
+    except (Exception, SystemExit) as error:
+        raise ExperimentError(f"{file}: learn raised {said(error, file)}") from error
+    wanted = [cycle.u.shape, *(part.shape for part in cycle.springs)]
+    shapes = [part.shape for part in found]
+    if shapes != wanted or not all(np.isfinite(part).all() for part in found):
+        raise ExperimentError(
+            f"{file}: learn returned {listed(map(str, shapes), 'nothing')}"
+            f"{'' if shapes != wanted else ' with numbers that are not finite'}; finite u, "
+            f"stiffness, offset, center of shapes {listed(map(str, wanted))} are needed"
+        )
+    u, *springs = found
+    return Learned(u, LinearSprings(*springs))
 
 
 def _executed(path: Path, source: str) -> ModuleType:

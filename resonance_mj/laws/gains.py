@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from ..experiments.experiment import Experiment
@@ -12,6 +13,9 @@ from ..robots.robot import Robot
 
 BANDWIDTH = 60.0
 """Feedback bandwidth ω [1/s] at time steps that allow it."""
+
+POSITION = 10.0
+"""Least weight α of the position error [1/s]."""
 
 HARMONICS = 20
 """Harmonics of 1/T that the learned torque keeps, where the cycle has as many."""
@@ -29,9 +33,11 @@ class Gains:
         feedback: G of the feedback -G y, or -G Δq̇ in joint space (n, n) [N m s/rad].
         feedback_p: G_p of the feedback -G_p s(Δq) in joint space (n, n) [N m/rad].
         omega: bandwidth ω of the inertial feedback [1/s].
+        alpha: weight of the position error in (8) [1/s].
         learning: what is learned from y (n, n) [N m s/rad].
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
+        torque_limit: least and greatest torque of each motor (n, 2) [N m].
     """
 
     jacobian: str
@@ -41,28 +47,33 @@ class Gains:
     feedback: np.ndarray
     feedback_p: np.ndarray
     omega: float
+    alpha: float
     learning: np.ndarray
     lead: int
     harmonics: int | None
+    torque_limit: np.ndarray
 
 
 def gains(experiment: Experiment, robot: Robot) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
-    Without K_v and K_p the feedback is -ω M̂ y with M̂ = M(q_home), so that one number serves
-    every robot; without β the law learns η times the feedback torque itself.
+    Without K_v and K_p the feedback is -(ω M̂ + D) y with M̂ = M(q_home) and D the joints' own
+    damping, so that one number serves every robot: a motor that drives a damped joint needs D q̇
+    beside M q̈. Without β the law learns η times the feedback torque itself.
     """
     law, n, m = experiment.law, robot.n, robot.m
     dt = experiment.simulation.timestep
     by_hand = law.k_v is not None or law.k_p is not None
+    falls = falling_rate(robot)
+    alpha = law.alpha if law.alpha is not None else max(POSITION, falls)
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
-    omega = law.omega if law.omega is not None else min(BANDWIDTH, 0.1 / dt)
+    omega = law.omega if law.omega is not None else min(max(BANDWIDTH, 2 * falls), 0.1 / dt)
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
-    inertial = omega * robot.inertia
+    inertial = omega * robot.inertia + np.diag(robot.damping)
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))
     if law.follows_joints:
-        feedback, feedback_p = _in_joint_space(law, robot, k_v, k_p, inertial)
+        feedback, feedback_p = _in_joint_space(law, robot, k_v, k_p, inertial, alpha)
         k_v = k_p = np.zeros(m)
     learning = law.eta * inertial if law.beta is None else law.beta * np.eye(n)
     steps = min(motion.steps(dt) for motion in experiment.motion)
@@ -80,20 +91,48 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
         feedback=feedback,
         feedback_p=feedback_p,
         omega=omega,
+        alpha=alpha,
         learning=learning,
         lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
+        torque_limit=robot.torque_limit,
     )
 
 
+def falling_rate(robot: Robot) -> float:
+    """How fast the arm falls from its home without motors and springs, as e^{λt}: λ [1/s].
+
+    λ² is the largest eigenvalue of M⁻¹ dτ/dq, with τ the torque of gravity; 0 for an arm that hangs
+    or lies. A small arm falls fast: λ² is about gravity over length.
+    """
+    model, data, at = robot.model, mujoco.MjData(robot.model), robot.qpos_address
+    data.qpos[:] = robot.qpos
+    torque = np.empty((2, robot.n, robot.n))
+    for j in range(robot.n):
+        for side, step in enumerate((1e-5, -1e-5)):
+            data.qpos[at[j]] = robot.home[j] + step
+            mujoco.mj_fwdPosition(model, data)
+            mujoco.mj_fwdVelocity(model, data)
+            torque[side, :, j] = (data.qfrc_passive - data.qfrc_bias)[robot.dof_address]
+        data.qpos[at[j]] = robot.home[j]
+    slope = (torque[0] - torque[1]) / 2e-5
+    rates = np.linalg.eigvals(np.linalg.solve(robot.inertia, slope)).real
+    return float(np.sqrt(max(rates.max(), 0.0)))
+
+
 def _in_joint_space(
-    law: Law, robot: Robot, k_v: np.ndarray, k_p: np.ndarray, inertial: np.ndarray
+    law: Law,
+    robot: Robot,
+    k_v: np.ndarray,
+    k_p: np.ndarray,
+    inertial: np.ndarray,
+    alpha: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """G and G_p of the joint angles' errors that are at home what K_v and K_p are of the tool's.
 
     Where the task leaves joints free, K_v and K_p would leave them without feedback.
     """
     if (law.k_v is None and law.k_p is None) or robot.m < robot.n:
-        return inertial, law.alpha * inertial
+        return inertial, alpha * inertial
     J = robot.jacobian
     return J.T @ (k_v[:, None] * J), J.T @ (k_p[:, None] * J)

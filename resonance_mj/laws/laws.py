@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +10,7 @@ from ..experiments.experiment import Experiment
 from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
-from .learning import Cycle, Learned
-
-Learn = Callable[[Cycle, Gains, Experiment], Learned]
-"""Torque and springs of the next cycle, from the last, the gains and the experiment."""
+from .learning import Cycle, Learn, Learned
 
 
 @dataclass(frozen=True)
@@ -40,7 +36,10 @@ def load(kind: str) -> Law:
     Raises:
         ExperimentError: it is a file that does not hold a law.
     """
-    return LAWS[kind] if kind in LAWS else _of_a_file(kind)
+    if kind in LAWS:
+        return LAWS[kind]
+    command, learn = custom_law.load(kind)
+    return Law(command, learn or spring_transfer, adapts=("gamma_k", "gamma_qe"))
 
 
 def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
@@ -70,9 +69,11 @@ def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learn
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
-    return learning.learned_torque(
+    """What the motors can give of it: more would be learned without end, and never exerted."""
+    v = learning.learned_torque(
         cycle.u, cycle.y, gain=gains.learning, lead=gains.lead, harmonics=gains.harmonics
     )
+    return np.clip(v, *gains.torque_limit.T)
 
 
 def _printed(cycle: Cycle, q: np.ndarray, gains: Gains, experiment: Experiment) -> Learned:
@@ -88,16 +89,6 @@ def _printed(cycle: Cycle, q: np.ndarray, gains: Gains, experiment: Experiment) 
     )
     runs = experiment.law.q_c == "running"
     return Learned(u, cycle.springs.about(mean) if runs else cycle.springs)
-
-
-def _of_a_file(file: str) -> Law:
-    custom = custom_law.load(file)
-
-    def learn(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
-        return custom.learned(cycle, experiment.law.parameters, experiment.springs)
-
-    adapts = ("gamma_k", "gamma_qe")
-    return Law(custom.command, learn if custom.learn else spring_transfer, adapts)
 
 
 LAWS: dict[str, Law] = {

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ..springs.fit import Bounds, LinearSprings, fit, spring_like_part
+from ..experiments.experiment import Experiment
+from ..experiments.sections import Springs
+from ..springs.fit import LinearSprings, fit, spring_like_part
+from .gains import Gains
 
 
 class Cycle(NamedTuple):
@@ -33,6 +37,10 @@ class Learned(NamedTuple):
     """Learned torque (N, n) [N m]."""
     springs: LinearSprings
     """That it begins with."""
+
+
+Learn = Callable[[Cycle, Gains, Experiment], Learned]
+"""Torque and springs of the next cycle, from the last, the gains and the experiment."""
 
 
 def learn(
@@ -72,7 +80,7 @@ def learn(
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
 
-def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bounds) -> Learned:
+def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Springs) -> Learned:
     """Hand the springs what springs can do: the total torque stays as it is.
 
     Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring
@@ -82,7 +90,7 @@ def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bound
         v: what is learned from a cycle, before anything is handed over (N, n) [N m].
         q: joint angles of that cycle (N, n) [rad].
         springs: at the end of it.
-        bounds: what springs may be, about the mean joint angle, where their centre is put.
+        bounds: what springs may be; their centre is put at the mean joint angle.
     """
     total = v + springs.torque(q)
     best = fit(q, total, bounds, center=q.mean(axis=0))

@@ -7,14 +7,16 @@ batch has its own. What only learning between cycles needs stays in the plan. Th
 of `userdata` say where the block begins and that there is one: numbers which a model's author keeps
 in `userdata` stay where they are, and models without a controller are left alone.
 
-The step sees the block as `own.py` has it; between cycles those of all robots are a `Memory`.
+Between cycles the blocks of all robots are a `Memory`; a control step sees its robot's as `own` has
+it: `own.tau_min[j]`, `own.alpha`.
 """
 
 from __future__ import annotations
 
+import math
 from collections import namedtuple
-from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -22,58 +24,25 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..step_functions import step_function
 
-ARRAYS: dict[str, tuple[str, ...]] = {
-    # the robot
-    "qpos_address": ("joints",),
-    "dof_address": ("joints",),
-    "joint_id": ("joints",),
-    "actuator_id": ("joints",),
-    "coordinate": ("coordinates",),
-    "before": ("three",),  # position of the tool a time step ago
-    "orientation": ("three", "three"),
-    "posture": ("joints",),
-    # the law's gains and the springs' bounds
-    "k_v": ("coordinates",),
-    "k_p": ("coordinates",),
-    "gamma_k": ("joints",),
-    "gamma_qe": ("joints",),
-    "feedback": ("joints", "joints"),
-    "feedback_p": ("joints", "joints"),
-    "q_c": ("joints",),
-    "k_min": ("joints",),
-    "k_max": ("joints",),
-    "low": ("joints",),
-    "high": ("joints",),
-    "parameters": ("parameters",),
-    # beyond which the run has failed
-    "torque_limit": ("joints",),
-    # the motors' limits
-    "tau_min": ("joints",),
-    "tau_max": ("joints",),
-    # the springs that act now
-    "stiffness": ("joints",),
-    "offset": ("joints",),
+_SHAPES: dict[tuple[str, ...], str] = {
+    # of robot, law and springs: `before` is the position of the tool a time step ago
+    ("three",): "before",
+    ("three", "three"): "orientation desired",
+    ("joints",): "qpos_address dof_address joint_id actuator_id posture torque_limit tau_min "
+    "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq",
+    ("coordinates",): "coordinate k_v k_p error rate s",
+    ("joints", "joints"): "feedback feedback_p",
+    ("coordinates", "joints"): "J",
+    ("six", "dofs"): "jacobian",
+    ("parameters",): "parameters",
+    ("more", "more"): "work",
     # tables over the cycle
-    "x_desired": ("steps", "coordinates"),
-    "dx_desired": ("steps", "coordinates"),
-    "q_desired": ("steps", "joints"),
-    "dq_desired": ("steps", "joints"),
-    "learned": ("steps", "joints"),
-    "record": ("steps", "columns"),
-    # scratch of one control step
-    "jacobian": ("six", "dofs"),
-    "J": ("coordinates", "joints"),
-    "error": ("coordinates",),
-    "rate": ("coordinates",),
-    "s": ("coordinates",),
-    "y": ("joints",),
-    "tau": ("joints",),
-    "drift": ("joints",),
-    "q": ("joints",),
-    "dq": ("joints",),
-    "desired": ("three", "three"),
-    "work": ("more", "more"),
+    ("steps", "coordinates"): "x_desired dx_desired",
+    ("steps", "joints"): "q_desired dq_desired learned",
+    ("steps", "columns"): "record",
 }
+
+ARRAYS = {name: shape for shape, names in _SHAPES.items() for name in names.split()}
 """Arrays of the block and their shapes, in the order in which they lie."""
 
 COLUMNS: dict[str, str] = {
@@ -146,18 +115,15 @@ class Layout:
         """Shape of an array of the block."""
         return tuple(getattr(self, size) for size in ARRAYS[name])
 
-    def starts(self) -> Iterator[tuple[str, int]]:
-        """Each array and where it begins in the block."""
-        start = len(Header)
-        for name in ARRAYS:
-            yield name, start
-            start += int(np.prod(self.shape(name)))
+    def starts(self) -> list[int]:
+        """Where each array begins in the block, and where the last ends."""
+        sizes = (math.prod(self.shape(name)) for name in ARRAYS)
+        return list(accumulate(sizes, initial=len(Header)))
 
     @property
     def size(self) -> int:
         """Length of the block, and of the two numbers that lead to it."""
-        last, start = list(self.starts())[-1]
-        return start + int(np.prod(self.shape(last))) + 2
+        return self.starts()[-1] + 2
 
 
 def layout_of(experiment: Experiment, joints: int, coordinates: int, dofs: int) -> Layout:
@@ -184,18 +150,17 @@ class Memory:
         self.layout = layout
         begin = userdata.shape[1] - layout.size
         self._block = userdata[:, begin:-2]
-        self._starts = dict(layout.starts())
         userdata[:, -2] = begin
         userdata[:, -1] = SIGNATURE
         for name in ("joints", "coordinates", "dofs", "columns", "more"):
             self.scalar(name)[:] = getattr(layout, name)
         self.scalar("parameters_given")[:] = layout.parameters
         self._views: dict[str, np.ndarray] = {}
-        for name, start in self._starts.items():
+        for name, (start, end) in zip(ARRAYS, pairwise(layout.starts()), strict=True):
             self.scalar(name)[:] = start
-            shape = layout.shape(name)
-            flat = self._block[:, start : start + int(np.prod(shape))]
-            self._views[name] = flat.reshape(flat.shape[0], *shape)
+            self._views[name] = self._block[:, start:end].reshape(
+                len(userdata), *layout.shape(name)
+            )
 
     def scalar(self, name: str) -> np.ndarray:
         """View of a number of the header (robots,)."""
@@ -211,13 +176,10 @@ class Memory:
 
     def recorded(self, name: str, steps: int) -> np.ndarray:
         """View of a recorded signal over a cycle of `steps` control steps (robots, steps, size)."""
-        start = 0
-        for column, size in COLUMNS.items():
-            width = getattr(self.layout, size)
-            if column == name:
-                return self["record"][:, :steps, start : start + width]
-            start += width
-        raise KeyError(name)
+        widths = [getattr(self.layout, size) for size in COLUMNS.values()]
+        at = list(COLUMNS).index(name)
+        start = sum(widths[:at])
+        return self["record"][:, :steps, start : start + widths[at]]
 
 
 @step_function
@@ -240,3 +202,99 @@ def vector(memory: np.ndarray, start: float, size: int) -> np.ndarray:
 def matrix(memory: np.ndarray, start: float, rows: int, columns: int) -> np.ndarray:
     """View of numbers of the block from `start`, as (rows, columns)."""
     return memory[int(start) : int(start) + rows * columns].reshape(rows, columns)
+
+
+_named: Any = namedtuple  # whose names a type checker cannot follow
+
+Own = _named(
+    "Own",
+    "n m step site rotates form difference inertial usual alpha alpha_0 timestep speed_limit "
+    + " ".join(name for name in ARRAYS if name != "record"),
+)
+"""The numbers of the header that the law is tuned by, and a view of each array."""
+
+Row = _named("Row", list(COLUMNS))
+"""What a control step records."""
+
+
+@step_function
+def own(memory: np.ndarray) -> Any:
+    """The block as a control step sees it, and of the tables over the cycle the rows of this step.
+
+    Compiled, building the views costs nothing but what is used of them.
+    """
+    n, m = int(memory[Header.JOINTS]), int(memory[Header.COORDINATES])
+    step, more = int(memory[Header.STEP]), int(memory[Header.MORE])
+    return Own(
+        n=n,
+        m=m,
+        step=step,
+        site=int(memory[Header.SITE]),
+        rotates=memory[Header.ROTATES] == 1.0,
+        form=int(memory[Header.FORM]),
+        difference=memory[Header.DIFFERENCE] == 1.0,
+        inertial=memory[Header.INERTIAL] == 1.0,
+        usual=memory[Header.USUAL],
+        alpha=memory[Header.ALPHA],
+        alpha_0=memory[Header.ALPHA_0],
+        timestep=memory[Header.TIMESTEP],
+        speed_limit=memory[Header.SPEED_LIMIT],
+        qpos_address=vector(memory, memory[Header.QPOS_ADDRESS], n),
+        dof_address=vector(memory, memory[Header.DOF_ADDRESS], n),
+        joint_id=vector(memory, memory[Header.JOINT_ID], n),
+        actuator_id=vector(memory, memory[Header.ACTUATOR_ID], n),
+        coordinate=vector(memory, memory[Header.COORDINATE], m),
+        before=vector(memory, memory[Header.BEFORE], 3),
+        orientation=matrix(memory, memory[Header.ORIENTATION], 3, 3),
+        posture=vector(memory, memory[Header.POSTURE], n),
+        k_v=vector(memory, memory[Header.K_V], m),
+        k_p=vector(memory, memory[Header.K_P], m),
+        gamma_k=vector(memory, memory[Header.GAMMA_K], n),
+        gamma_qe=vector(memory, memory[Header.GAMMA_QE], n),
+        feedback=matrix(memory, memory[Header.FEEDBACK], n, n),
+        feedback_p=matrix(memory, memory[Header.FEEDBACK_P], n, n),
+        q_c=vector(memory, memory[Header.Q_C], n),
+        k_min=vector(memory, memory[Header.K_MIN], n),
+        k_max=vector(memory, memory[Header.K_MAX], n),
+        low=vector(memory, memory[Header.LOW], n),
+        high=vector(memory, memory[Header.HIGH], n),
+        parameters=vector(memory, memory[Header.PARAMETERS], int(memory[Header.PARAMETERS_GIVEN])),
+        torque_limit=vector(memory, memory[Header.TORQUE_LIMIT], n),
+        tau_min=vector(memory, memory[Header.TAU_MIN], n),
+        tau_max=vector(memory, memory[Header.TAU_MAX], n),
+        stiffness=vector(memory, memory[Header.STIFFNESS], n),
+        offset=vector(memory, memory[Header.OFFSET], n),
+        x_desired=vector(memory, memory[Header.X_DESIRED] + step * m, m),
+        dx_desired=vector(memory, memory[Header.DX_DESIRED] + step * m, m),
+        q_desired=vector(memory, memory[Header.Q_DESIRED] + step * n, n),
+        dq_desired=vector(memory, memory[Header.DQ_DESIRED] + step * n, n),
+        learned=vector(memory, memory[Header.LEARNED] + step * n, n),
+        jacobian=matrix(memory, memory[Header.JACOBIAN], 6, int(memory[Header.DOFS])),
+        J=matrix(memory, memory[Header.J], m, n),
+        error=vector(memory, memory[Header.ERROR], m),
+        rate=vector(memory, memory[Header.RATE], m),
+        s=vector(memory, memory[Header.S], m),
+        y=vector(memory, memory[Header.Y], n),
+        tau=vector(memory, memory[Header.TAU], n),
+        drift=vector(memory, memory[Header.DRIFT], n),
+        q=vector(memory, memory[Header.Q], n),
+        dq=vector(memory, memory[Header.DQ], n),
+        desired=matrix(memory, memory[Header.DESIRED], 3, 3),
+        work=matrix(memory, memory[Header.WORK], more, more),
+    )
+
+
+@step_function
+def row(memory: np.ndarray, n: int, m: int, step: int) -> Any:
+    """What this control step records."""
+    start = memory[Header.RECORD] + step * memory[Header.COLUMNS]
+    return Row(
+        q=vector(memory, start, n),
+        dq=vector(memory, start + n, n),
+        x=vector(memory, start + 2 * n, m),
+        y=vector(memory, start + 2 * n + m, n),
+        tau=vector(memory, start + 3 * n + m, n),
+        u=vector(memory, start + 4 * n + m, n),
+        stiffness=vector(memory, start + 5 * n + m, n),
+        offset=vector(memory, start + 6 * n + m, n),
+    )

@@ -8,9 +8,13 @@ import numpy as np
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
+from ..experiments.sections import Springs
 from ..robots.robot import Robot
+from ..robots.touching import touching
+from ..springs.optimum import best_springs
+from ..text import length
 from . import motion as motions
-from .kinematics import TOLERANCE, Kinematics
+from .kinematics import TOLERANCE, JointMotion, Kinematics
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
@@ -33,30 +37,44 @@ CONDITIONING = 0.5
 LIMITS = 0.05
 """Least distance to a joint's limits, as a share of its range."""
 
+CLEARANCE = 0.01
+"""Least distance between bodies that are not near each other anyway, as a share of the reach."""
+
+MOTORS = 0.7
+"""Most that the motors need with the best springs, as a share of their limits."""
+
 
 def filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:
     """The experiment with what it left open in its motions filled in."""
     robot = kinematics.robot
-    at_home = kinematics.position(robot.home)
-    motion = []
+    at_home, alpha_0 = kinematics.position(robot.home), experiment.law.alpha_0
+    filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"
-        fitting = motions.resolve(given, robot, at_home, name)
-        motion.append(sized(fitting, kinematics, name, experiment.law.alpha_0))
-    return experiment.model_copy(update={"motion": tuple(motion)})
+        motion = motions.resolve(given, robot, at_home, name)
+        filled.append(sized(motion, kinematics, name, alpha_0, experiment.springs))
+    return experiment.model_copy(update={"motion": tuple(filled)})
 
 
-def sized(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float = 10.0) -> Motion:
+def sized(
+    motion: Motion,
+    kinematics: Kinematics,
+    name: str,
+    alpha_0: float = 10.0,
+    bounds: Springs | None = None,
+) -> Motion:
     """A motion with its size filled in, twice as long as high.
 
     The size shrinks from a share of the reach until inverse kinematics follows the motion well away
-    from singular poses and joint limits. It is the same for the same robot and motion.
+    from singular poses and joint limits, nothing touches on the way, and the motors' limits suffice
+    with the best springs. It is the same for the same robot and motion.
 
     Args:
         motion: resolved but for its size.
         kinematics: of the robot.
         name: how messages call the motion.
         alpha_0: rate at which the posture is taken back [1/s].
+        bounds: of the springs.
 
     Raises:
         MotionError: the arm follows no size of it with margin.
@@ -71,13 +89,14 @@ def sized(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float = 10
     reason = ""
     for _ in range(TRIES):
         candidate = motion.model_copy(update={"size": (size, size / 2)})
-        reason = _obstacle(candidate, kinematics, middle, name, alpha_0)
+        reason = _obstacle(candidate, kinematics, middle, name, alpha_0, bounds)
         if not reason:
             return candidate
         size *= SHRINK
     raise MotionError(
         f"{name}: no size is given, and even with size = [{size / SHRINK:.2g}, "
         f"{size / SHRINK / 2:.2g}] m: {reason}. Give center, size and plane, or another home pose"
+        f"{robot.hint}"
     )
 
 
@@ -116,40 +135,90 @@ def _obstacle(
     middle: np.ndarray,
     name: str,
     alpha_0: float,
+    bounds: Springs | None,
 ) -> str:
     """Why the arm cannot follow a motion with margin; empty if it can."""
     home = kinematics.robot.home
-    samples = motions.sample(motion, POINTS, kinematics.robot)
-    q = home
+    samples, q = motions.sample(motion, POINTS, kinematics.robot), home
     for x in samples.x[::GLANCE]:
         q = kinematics.solve(x, q, iterations=30)
         reason = _lacks_margin(q[None], middle, kinematics)
         if reason:
             return reason
     try:
-        q = kinematics.follow(samples, home, motion.period, name, alpha_0).q
+        followed = kinematics.follow(samples, home, motion.period, name, alpha_0)
     except MotionError as error:
         return str(error).removeprefix(f"{name}: ")
-    return _lacks_margin(q, middle, kinematics)
+    return (
+        _lacks_margin(followed.q, middle, kinematics)
+        or _touches(followed.q, middle, kinematics.robot)
+        or _too_heavy(followed, kinematics, motion.period, bounds)
+    )
+
+
+def _touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
+    """What touches or comes near at joint angles (N, n) and does not at `middle`; empty if nothing.
+
+    What is near in the middle may stay so, but not touch.
+    """
+    arm = robot.model, robot.qpos, robot.qpos_address
+    clearance = CLEARANCE * reach(robot)
+    near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
+    found = [touch for touch in touching(*arm, q, clearance) if touch[:2] not in near]
+    for first, second, depth, _ in (*touching(*arm, q), *found)[:1]:
+        how = f"{length(depth)} deep" if depth else "or nearly so"
+        return (
+            f"{first} touches {second}, {how} (robot.contacts = false lets bodies pass through "
+            "each other)"
+        )
+    return ""
+
+
+def _too_heavy(
+    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Springs | None
+) -> str:
+    """Which motor is too weak for a joint motion even with the best springs; empty if none is."""
+    robot = kinematics.robot
+    best = best_springs(
+        joints.q,
+        kinematics.torque(joints),
+        center=joints.q.mean(axis=0),
+        period=period,
+        bounds=bounds or Springs(),
+    )
+    low, high = MOTORS * robot.torque_limit.T
+    least, most = best.torque.min(axis=0), best.torque.max(axis=0)
+    for j in np.flatnonzero((least < low) | (most > high)):
+        unit = "N" if robot.slides[j] else "N m"
+        return (
+            f"the motor of {robot.joints[j]} gives {low[j] / MOTORS:.3g} to "
+            f"{high[j] / MOTORS:.3g} {unit} and needs {least[j]:.3g} to {most[j]:.3g} {unit} even "
+            "with the best springs"
+        )
+    return ""
 
 
 def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> str:
     """Why joint angles (N, n) come too near to a singular pose or a joint limit; empty if not."""
     robot = kinematics.robot
-    usual = _conditioning(kinematics.jacobian(middle))
-    worst = min(_conditioning(kinematics.jacobian(angles)) for angles in q)
+    J = np.array([kinematics.jacobian(angles) for angles in (middle, *q)])
+    values = np.linalg.svd(J, compute_uv=False)
+    usual, *ratios = values[:, -1] / values[:, 0]
+    worst = min(ratios)
     if worst < CONDITIONING * usual:
         return (
             f"it comes near a singular pose, where the singular values of J have the ratio "
             f"{worst:.2g}, and at the center {usual:.2g}"
         )
     model = robot.model
-    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
-        return ""
     low, high = model.jnt_range[robot.joint_id].T
+
+    def to_limit(angles: np.ndarray) -> np.ndarray:
+        return np.maximum(np.minimum(angles - low, high - angles), 0.0)
+
     # Where the center itself is nearer to a limit, half of its distance is kept.
-    margin = np.minimum(LIMITS * (high - low), _to_limit(middle, low, high) / 2)
-    near = (_to_limit(q, low, high) < margin) & model.jnt_limited[robot.joint_id].astype(bool)
+    margin = np.minimum(LIMITS * (high - low), to_limit(middle) / 2)
+    near = (to_limit(q) < margin) & robot.limited
     if near.any():
         j = int(np.argmax(near.any(axis=0)))
         return (
@@ -157,13 +226,3 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
             f"too near to the ends of its range, {low[j]:.3g} to {high[j]:.3g}"
         )
     return ""
-
-
-def _to_limit(q: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Distance to the nearer end of the range, 0 beyond it."""
-    return np.maximum(np.minimum(q - low, high - q), 0.0)
-
-
-def _conditioning(jacobian: np.ndarray) -> float:
-    values = np.linalg.svd(jacobian, compute_uv=False)
-    return float(values[-1] / values[0])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -10,7 +12,6 @@ import numpy as np
 from ..errors import MotionError
 from ..robots.robot import Robot
 from . import rotations
-from .joint_motion import JointMotion, periodic_rate
 from .motion import Samples
 
 TOLERANCE = 1e-11
@@ -19,19 +20,38 @@ TOLERANCE = 1e-11
 SINGULAR = 1e-3
 """Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
 
+_NO_STOPS = int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT)
+
+
+class JointMotion(NamedTuple):
+    """A joint motion over one cycle."""
+
+    q: np.ndarray
+    """Joint angles q_d (N, n) [rad]."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
+    ddq: np.ndarray
+    """Joint accelerations (N, n) [rad/s^2]."""
+
 
 class Kinematics:
     """Position, Jacobian and torque of a robot at chosen states, without its joint springs."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self._model = robot.model
-        self._data = mujoco.MjData(self._model)
+        self._model, self._data = robot.model, mujoco.MjData(robot.model)
         self._data.qpos[:] = robot.qpos
+        # A motion asks for these thousands of times: looked up, and room for them made, once.
+        self._qpos, self._of_q = self._data.qpos, _span(robot.qpos_address)
+        self._at = self._data.site_xpos[robot.site]
+        self._orientation = self._data.site_xmat[robot.site].reshape(3, 3)
+        self._positions = _span(robot.coordinate[: len(robot.position_axes)])
         self._full = np.zeros((6, self._model.nv))
-        self._of_task = _span(robot.coordinate), _span(robot.dof_address)
-        self._of_q = _span(robot.qpos_address)
-        self._body = int(robot.model.site_bodyid[robot.site])
+        self._linear = self._full[:3]
+        self._angular = self._full[3:] if robot.rotates else None
+        self._square, self._solution = np.empty((robot.m, robot.m)), np.empty(robot.m)
+        self._diagonal = self._square.ravel()[:: robot.m + 1]
+        self._of_task = np.ix_(robot.coordinate, robot.dof_address)
 
     def position(self, q: np.ndarray) -> np.ndarray:
         """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad].
@@ -39,7 +59,12 @@ class Kinematics:
         Rotation is a rotation vector from the orientation at home, in the world frame.
         """
         self._place(q)
-        return self._x()
+        robot = self.robot
+        x = np.empty(robot.m)
+        x[: len(robot.position_axes)] = self._at[self._positions]
+        if robot.rotates:
+            rotations.rotation_vector(self._orientation, robot.orientation, x[-3:])
+        return x
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Task Jacobian J(q) (m, n) [m/rad] at joint angles q (n,) [rad]."""
@@ -76,7 +101,7 @@ class Kinematics:
         for _ in range(iterations):
             if away < TOLERANCE:
                 break
-            step = _inverse(J, error, damping)
+            step = self._inverse(J, error, damping)
             longest = max(map(abs, step.tolist()))
             limited = q + (step if longest <= 0.2 else step * (0.2 / longest))
             new_error, new_J = self._error(limited, x)
@@ -118,35 +143,28 @@ class Kinematics:
                 f"{name}: the joints do not return to where they began: after one cycle they are "
                 f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
             )
-        if m == n:
-            return self._rates(samples, q, J)
-        dq = periodic_rate(q, period)
-        return JointMotion(q, dq, periodic_rate(dq, period))
+        return self._with_rates(samples, q, J, lambda signal: _periodic_rate(signal, period))
 
     def passage(
         self, samples: Samples, start: np.ndarray, length: float, name: str, alpha_0: float = 10.0
     ) -> JointMotion:
         """Joint motion of a task-space motion that ends elsewhere than it begins.
 
-        Args:
-            samples: the motion.
-            start: joint angles near which the branch is looked for (n,) [rad].
-            length: how long it takes [s].
-            name: how messages call the motion.
-            alpha_0: rate at which the posture is taken back [1/s].
-
-        Raises:
-            MotionError: the motion leaves the arm's reach or passes through a singular pose.
+        Arguments and errors as of `follow`; `length` is how long the motion takes [s].
         """
         q, J = self._cycle(samples, start, length, name, alpha_0)
-        if self.robot.m == self.robot.n:
-            return self._rates(samples, q, J)
         dt = length / len(q)
-        dq = np.gradient(q, dt, axis=0, edge_order=2)
-        return JointMotion(q, dq, np.gradient(dq, dt, axis=0, edge_order=2))
+        return self._with_rates(
+            samples, q, J, lambda signal: np.gradient(signal, dt, axis=0, edge_order=2)
+        )
 
-    def _rates(self, samples: Samples, q: np.ndarray, J: np.ndarray) -> JointMotion:
-        """Joint angles with the velocities and accelerations that a task of n coordinates sets."""
+    def _with_rates(
+        self, samples: Samples, q: np.ndarray, J: np.ndarray, rate: Callable[..., np.ndarray]
+    ) -> JointMotion:
+        """Joint angles with their rates: those that a task of n coordinates sets, else `rate`'s."""
+        if self.robot.m < self.robot.n:
+            dq = rate(q)
+            return JointMotion(q, dq, rate(dq))
         dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
         drift = np.array([self._J_dot(*state) @ state[1] for state in zip(q, dq, strict=True)])
         ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
@@ -160,11 +178,13 @@ class Kinematics:
         q, J = np.empty((steps, n)), np.empty((steps, m, n))
 
         def where(i: int) -> str:
-            at = _point(samples.x[i], self.robot)
-            return f"{i / steps * period:.3f} s into the cycle, at {at}"
+            position = zip(self.robot.position_axes, samples.x[i], strict=False)
+            at = ", ".join(f"{axis} = {value:.3f}" for axis, value in position)
+            return f"{i / steps * period:.3f} s into the cycle, at ({at}) m"
 
         guess = self._unfolded(samples.x[0], start)
         ahead = np.diff(samples.x, axis=0, append=samples.x[:1])
+        to_home = alpha_0 * period / steps
         for i in range(steps):
             q[i], error, J[i] = self._solved(samples.x[i], guess)
             away = math.sqrt(error @ error)
@@ -173,17 +193,20 @@ class Kinematics:
                     f"{name}: out of the arm's reach {where(i)}: the tool comes no nearer than "
                     f"{away * 1e3:.1f} mm; move or shrink the motion"
                 )
-            guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
             if m < n:
-                home = alpha_0 * period / steps * (self.robot.home - q[i])
-                guess = q[i] + home + _inverse(J[i], ahead[i] - J[i] @ home, 1e-12)
-        values = np.linalg.svd(J, compute_uv=False)
-        i = int(np.argmin(values[:, -1] / values[:, 0]))
-        if values[i, -1] < SINGULAR * values[i, 0]:
+                home = to_home * (self.robot.home - q[i])
+                guess = q[i] + home + self._inverse(J[i], ahead[i] - J[i] @ home, 1e-12)
+            else:
+                guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
+        # The singular values' squares: three times faster than they themselves.
+        squares = np.maximum(np.linalg.eigvalsh(J @ J.swapaxes(1, 2)), 0.0)
+        i = int(np.argmin(squares[:, 0] / squares[:, -1]))
+        least, largest = np.sqrt(squares[i, [0, -1]])
+        if least < SINGULAR * largest:
             raise MotionError(
                 f"{name}: passes through a singular pose {where(i)}, with joint angles "
                 f"{np.array2string(q[i], precision=3)} rad: the smallest singular value of J is "
-                f"{values[i, -1]:.1e} m/rad, at least {SINGULAR * values[i, 0]:.1e} is needed; "
+                f"{least:.1e} m/rad, at least {SINGULAR * largest:.1e} is needed; "
                 "move the motion away from there or choose another home pose"
             )
         return q, J
@@ -195,20 +218,21 @@ class Kinematics:
         """
         bent = 0.3 * (-1.0) ** np.arange(len(start))
         for guess in (start, start + bent, start - bent):
-            q = self.solve(x, guess)
-            if np.linalg.norm(self._error(q, x)[0]) < 1e3 * TOLERANCE:
+            q, error, _ = self._solved(x, guess)
+            if np.linalg.norm(error) < 1e3 * TOLERANCE:
                 return q
         return self.solve(x, start)
 
     def torque(self, motion: JointMotion) -> np.ndarray:
-        """Torque τ_d(0, 0, t) that a motion needs without springs, by inverse dynamics, (2).
+        """Torque τ_d(0, 0, t) (N, n) [N m] that a motion needs without springs, by (2).
 
-        Returns:
-            Torque (N, n) [N m].
+        Without the forces of contacts and of the ends of the joints' ranges: these are none that
+        a motor or a spring has to bear, but what a motion must keep away from.
         """
         robot, model, data = self.robot, self._model, self._data
-        springs = model.jnt_stiffness[robot.joint_id]
+        springs, flags = model.jnt_stiffness[robot.joint_id], model.opt.disableflags
         model.jnt_stiffness[robot.joint_id] = 0.0
+        model.opt.disableflags |= _NO_STOPS
         try:
             torque = np.empty_like(motion.q)
             for i in range(len(torque)):
@@ -220,69 +244,56 @@ class Kinematics:
                 torque[i] = data.qfrc_inverse[robot.dof_address]
         finally:
             model.jnt_stiffness[robot.joint_id] = springs
+            model.opt.disableflags = flags
         return torque
 
     def _place(self, q: np.ndarray) -> None:
-        model, data = self._model, self._data
-        data.qpos[self._of_q] = q
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-
-    def _x(self) -> np.ndarray:
-        robot, data = self.robot, self._data
-        if not robot.rotates:
-            return data.site_xpos[robot.site][robot.coordinate].copy()
-        x = np.empty(robot.m)
-        x[:-3] = data.site_xpos[robot.site][robot.coordinate[:-3]]
-        rotations.rotation_vector(self._orientation(), robot.orientation, x[-3:])
-        return x
-
-    def _orientation(self) -> np.ndarray:
-        return self._data.site_xmat[self.robot.site].reshape(3, 3)
+        self._qpos[self._of_q] = q
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
 
     def _J(self) -> np.ndarray:  # noqa: N802
-        mujoco.mj_jacSite(self._model, self._data, self._full[:3], self._full[3:], self.robot.site)
-        return self._task_rows()
+        mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self.robot.site)
+        return self._full[self._of_task]
 
     def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
         model, data = self._model, self._data
         self._place(q)
         data.qvel[self.robot.dof_address] = dq
         mujoco.mj_comVel(model, data)
-        at = data.site_xpos[self.robot.site]
-        mujoco.mj_jacDot(model, data, self._full[:3], self._full[3:], at, self._body)
-        return self._task_rows()
-
-    def _task_rows(self) -> np.ndarray:
-        rows, columns = self._of_task
-        return self._full[rows][:, columns].copy()
+        body = int(model.site_bodyid[self.robot.site])
+        mujoco.mj_jacDot(model, data, self._linear, self._angular, self._at, body)
+        return self._full[self._of_task]
 
     def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""
         self._place(q)
-        error = x - self._x()
-        if self.robot.rotates:
-            desired = np.empty((3, 3))
-            rotations.rotation(x[-3:], self.robot.orientation, desired)
-            rotations.rotation_vector(desired, self._orientation(), error[-3:])
+        if not self.robot.rotates:
+            return x - self._at[self._positions], self._J()
+        error, desired = np.empty_like(x), np.empty((3, 3))
+        error[:-3] = x[:-3] - self._at[self._positions]
+        rotations.rotation(x[-3:], self.robot.orientation, desired)
+        rotations.rotation_vector(desired, self._orientation, error[-3:])
         return error, self._J()
+
+    def _inverse(self, J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
+        """J⁺ times a vector, Jᵀ (J Jᵀ + damping I)⁻¹ e, by MuJoCo's own: m is small."""
+        step, square, solution = np.empty(self.robot.n), self._square, self._solution
+        mujoco.mju_mulMatMatT(square, J, J)
+        self._diagonal += damping
+        mujoco.mju_cholFactor(square, 1e-15)
+        mujoco.mju_cholSolve(solution, square, error)
+        mujoco.mju_mulMatTVec(step, J, solution)
+        return step
+
+
+def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
+    """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
+    before_last, last, following, second = (np.roll(values, k, axis=0) for k in (2, 1, -1, -2))
+    return (8 * (following - last) - (second - before_last)) / (12 * (period / len(values)))
 
 
 def _span(numbers: np.ndarray) -> slice | np.ndarray:
     """Numbers in a row as a slice, which is faster to index with; others as they are."""
     first, last = int(numbers[0]), int(numbers[-1]) + 1
     return slice(first, last) if np.array_equal(numbers, np.arange(first, last)) else numbers
-
-
-def _inverse(J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
-    """J⁺ times a vector, Jᵀ (J Jᵀ + damping I)⁻¹ e, by MuJoCo's Cholesky: m is small."""
-    square, solved = J @ J.T, np.empty_like(error)
-    square.flat[:: len(error) + 1] += damping
-    mujoco.mju_cholFactor(square, 1e-15)
-    mujoco.mju_cholSolve(solved, square, error)
-    return J.T @ solved
-
-
-def _point(x: np.ndarray, robot: Robot) -> str:
-    position = zip(robot.position_axes, x, strict=False)
-    return "(" + ", ".join(f"{axis} = {value:.3f}" for axis, value in position) + ") m"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
+from typing import TYPE_CHECKING, NamedTuple
+
 import mujoco
 import numpy as np
 
@@ -10,11 +13,31 @@ from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
 from ..text import listed, shown
 from . import rotations, waypoints
-from .samples import Samples
-from .waypoints import Waypoints
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 MOST_HARMONICS = 1000
 """Harmonics of 1/T that a motion may have."""
+
+
+class Samples(NamedTuple):
+    """A motion over one cycle, at the start of each of its N time steps.
+
+    Rotation, where the task has it, is the last three coordinates: in `x` the rotation vector from
+    the orientation at home, in the world frame, and in `dx` and `ddx` the angular velocity and
+    acceleration in the world frame, as the tool's Jacobian has them. These are not the rotation
+    vector's own derivatives, from which they differ while the axis of rotation turns.
+    """
+
+    x: np.ndarray
+    """Desired position x_d (N, m) [m, rad]."""
+    dx: np.ndarray
+    """Desired velocity (N, m) [m/s, rad/s]."""
+    ddx: np.ndarray
+    """Desired acceleration (N, m) [m/s^2, rad/s^2]."""
+    rotates: bool = False
+    """Whether the last three coordinates are a rotation."""
 
 
 def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
@@ -32,15 +55,12 @@ def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
         for part in parts:
             part[:, :count] = part[:, :count] @ R.T
         parts[0][:, :count] += at
-    x, dx, ddx = parts
-    if robot.rotates:
-        if motion.rotation_sin or motion.rotation_cos:
-            rows = motion.rotation_sin, motion.rotation_cos
-            turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
-            for part, more in zip(parts, turn, strict=True):
-                part[:, -3:] += more
-        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
-    return Samples(x, dx, ddx, robot.rotates)
+    if motion.rotation_sin or motion.rotation_cos:
+        rows = motion.rotation_sin, motion.rotation_cos
+        turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
+        for part, more in zip(parts, turn, strict=True):
+            part[:, -3:] += more
+    return _samples(*parts, robot.rotates)
 
 
 def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "motion") -> Motion:
@@ -59,7 +79,7 @@ def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "moti
     _check(motion, robot, name)
     found: dict[str, object] = {}
     if motion.shape == "csv":
-        _WAYPOINTS[_key(motion, robot)] = waypoints.read(*_key(motion, robot), name)
+        _CURVES[_key(motion, robot)] = waypoints.read(*_key(motion, robot), name)
     elif motion.shape != "fourier":
         if motion.center is None:
             at, R = _frame(motion, robot)
@@ -107,9 +127,7 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     x = before.x + sigma * gap
     dx = before.dx + sigma * d_gap + d_sigma * gap
     ddx = before.ddx + sigma * dd_gap + 2 * d_sigma * d_gap + dd_sigma * gap
-    if after.rotates:
-        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
-    return Samples(x, dx, ddx, after.rotates)
+    return _samples(x, dx, ddx, after.rotates)
 
 
 def in_a_row(parts: list[Samples]) -> Samples:
@@ -118,10 +136,17 @@ def in_a_row(parts: list[Samples]) -> Samples:
     return Samples(x, dx, ddx, parts[0].rotates)
 
 
+def _samples(x: np.ndarray, dx: np.ndarray, ddx: np.ndarray, rotates: bool) -> Samples:
+    """Samples of rates that are, of a rotation, those of its rotation vector."""
+    if rotates:
+        dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
+    return Samples(x, dx, ddx, rotates)
+
+
 Rows = tuple[tuple[float, ...], ...]
 Parts = tuple[np.ndarray, np.ndarray, np.ndarray]
 
-_WAYPOINTS: dict[tuple[str, tuple[str, ...], float], Waypoints] = {}
+_CURVES: dict[tuple[str, tuple[str, ...], float], CubicSpline] = {}
 """What `resolve` read: a CSV that is edited while a run goes on does not change the run."""
 
 
@@ -178,9 +203,10 @@ def _pose(motion: Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     data.qpos[:] = robot.qpos
     mujoco.mj_kinematics(robot.model, data)
     if motion.frame == "tool":
-        return data.site_xpos[robot.site].copy(), data.site_xmat[robot.site].reshape(3, 3).copy()
-    base = robot.model.body_parentid[robot.model.jnt_bodyid[robot.joint_id[0]]]
-    return data.xpos[base].copy(), data.xmat[base].reshape(3, 3).copy()
+        frame = data.site(robot.site)
+    else:
+        frame = data.body(robot.model.body_parentid[robot.model.jnt_bodyid[robot.joint_id[0]]])
+    return frame.xpos.copy(), frame.xmat.reshape(3, 3).copy()
 
 
 def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
@@ -190,9 +216,9 @@ def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
         return _fourier(motion.offset or (), *rows, motion.period, steps)
     if motion.shape == "csv":
         key = _key(motion, robot)
-        points = _WAYPOINTS.get(key) or waypoints.read(*key, "motion")
-        spline, phase = points.spline(), np.arange(steps) / steps
-        return spline(phase), spline(phase, 1) / key[-1], spline(phase, 2) / key[-1] ** 2
+        curve = _CURVES.get(key) or waypoints.read(*key, "motion")
+        phase, T = np.arange(steps) / steps, motion.period
+        return curve(phase), curve(phase, 1) / T, curve(phase, 2) / T**2
     parts = _polygon(motion, steps) if motion.shape == "polygon" else _curve(motion, steps)
     x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
     x[:, : len(robot.position_axes)] = motion.center
@@ -204,17 +230,13 @@ def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
 
 
 def _curve(motion: Motion, steps: int) -> Parts:
-    """An ellipse, line or eight about its center, in its plane (N, 2).
-
-    An ellipse is a cos, b sin; an eight is a sin, b sin of twice the angle; a line is sin in both.
-    """
+    """An ellipse, line or eight about its center, in its plane (N, 2)."""
     a, b = motion.size or (0.0, 0.0)
-    sin: Rows = ((a,), (b,))
-    cos: Rows = ()
-    if motion.shape == "ellipse":
-        sin, cos = ((0.0,), (b,)), ((a,), (0.0,))
-    elif motion.shape == "eight":
-        sin = ((a, 0.0), (0.0, b))
+    sin, cos = {
+        "ellipse": (((0.0,), (b,)), ((a,), (0.0,))),
+        "line": (((a,), (b,)), ()),
+        "eight": (((a, 0.0), (0.0, b)), ()),
+    }[motion.shape]
     return _fourier((0.0, 0.0), sin, cos, motion.period, steps)
 
 
@@ -263,10 +285,10 @@ def _fourier(
 ) -> Parts:
     """The sum offset + Σ_h sin_h sin(2π h t/T) + cos_h cos(2π h t/T), per coordinate."""
     m = len(offset)
-    a, b = _columns(sin_rows, m), _columns(cos_rows, m)
-    harmonics = max(a.shape[1], b.shape[1])
-    a, b = (np.pad(rows, ((0, 0), (0, harmonics - rows.shape[1]))) for rows in (a, b))
-    h = np.arange(1, harmonics + 1)
+    none = ((),) * m
+    by_harmonic = [*zip_longest(*(sin_rows or none), *(cos_rows or none), fillvalue=0.0)]
+    a, b = np.split(np.reshape(by_harmonic, (-1, 2 * m)).T.copy(), 2)
+    h = np.arange(1, a.shape[1] + 1)
     phase = 2 * np.pi * np.outer(np.arange(steps) / steps, h)
     sin, cos = np.sin(phase), np.cos(phase)
     omega = 2 * np.pi * h / period
@@ -274,12 +296,4 @@ def _fourier(
         np.asarray(offset) + sin @ a.T + cos @ b.T,
         cos @ (a * omega).T - sin @ (b * omega).T,
         -sin @ (a * omega**2).T - cos @ (b * omega**2).T,
-    )
-
-
-def _columns(rows: tuple[tuple[float, ...], ...], m: int) -> np.ndarray:
-    """Rows of amplitudes, filled up with zeros to the longest (m, harmonics)."""
-    width = max((len(row) for row in rows), default=0)
-    return np.array([(*row, *(0.0,) * (width - len(row))) for row in rows or ((),) * m]).reshape(
-        m, width
     )

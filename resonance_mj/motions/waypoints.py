@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,26 +23,12 @@ FEWEST, MOST = 3, 100_000
 LARGEST = 1e6
 """Size up to which a number is valid."""
 
-
-class Waypoints(NamedTuple):
-    """The knots of one cycle, without a repeated first row at the end."""
-
-    phase: np.ndarray
-    """When each is passed, in cycles, from 0 to below 1 (N,)."""
-    x: np.ndarray
-    """The waypoints (N, m) [m, rad]."""
-
-    def spline(self) -> CubicSpline:
-        """The closed curve x(phase), with continuous first and second derivatives."""
-        # Imported here: no other motion needs it, and it takes longer than the rest of the start.
-        from scipy.interpolate import CubicSpline
-
-        closed = np.vstack([self.x, self.x[:1]])
-        return CubicSpline(np.append(self.phase, 1.0), closed, bc_type="periodic")
+UNITS = {"t": "s", "phase": "cycles", "x": "m", "y": "m", "z": "m"}
+"""Of a column; the others are rotations [rad]."""
 
 
-def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoints:
-    """Read and check a CSV of waypoints.
+def read(file: str, axes: tuple[str, ...], period: float, name: str) -> CubicSpline:
+    """The closed curve x(phase) through a CSV's waypoints, smooth to the second derivative.
 
     A header names the columns: each of the task's positions, its rotation if the tool is to turn,
     and `t` [s] or `phase` [cycles] if the rows are not equally spaced over the cycle; without a
@@ -64,12 +50,13 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
     if not lines:
         raise ExperimentError(f"{where}: has no rows; at least {FEWEST} waypoints are needed")
     first, cells = lines[0]
-    if any(_is_number(cell) for cell in cells):
-        columns = _in_order(cells, axes, f"{where}: line {first}")
-        _row(cells, columns, f"{where}: line {first}", quoted=False)
+    top = f"{where}: line {first}"
+    if any(map(_is_number, cells)):
+        columns = _in_order(cells, axes, top)
+        _row(cells, columns, top, quoted=False)
     else:
-        columns = _header(cells, axes, f"{where}: line {first}")
-        lines = lines[1:]
+        columns = _header(cells, axes, top)
+        del lines[0]
     if len(lines) > MOST:
         raise ExperimentError(f"{where}: has {len(lines)} waypoints; at most {MOST} are valid")
     rows = np.array([_row(cells, columns, f"{where}: line {at}") for at, cells in lines])
@@ -79,10 +66,8 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
             f"{where}: there {rows_are} of numbers; at least {FEWEST} waypoints are needed"
         )
     numbers = [at for at, _ in lines]
-    x = np.zeros((len(rows), len(axes)))
-    for j, axis in enumerate(axes):
-        if axis in columns:
-            x[:, j] = rows[:, columns.index(axis)]
+    given = dict(zip(columns, rows.T, strict=True))
+    x = np.stack([given.get(axis, np.zeros(len(rows))) for axis in axes], axis=1)
     clock = next((column for column in ("t", "phase") if column in columns), None)
     if clock is None:
         repeats = bool(np.abs(x[-1] - x[0]).max() <= 1e-6 * _largest_step(x))
@@ -90,7 +75,7 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
         phase = np.arange(len(x)) / len(x)
     else:
         cycle = period if clock == "t" else 1.0
-        time = rows[:, columns.index(clock)]
+        time = given[clock]
         repeats = _check_clock(time, clock, cycle, numbers, where)
         if repeats:
             _check_repeats(x, axes, clock, cycle, f"{where}: line {numbers[-1]}")
@@ -102,7 +87,11 @@ def read(file: str, axes: tuple[str, ...], period: float, name: str) -> Waypoint
             f"{FEWEST} waypoints are needed"
         )
     _check_seam(x, axes, f"{where}: line {numbers[-2 if repeats else -1]}")
-    return Waypoints(phase, x)
+    # Imported here: no other motion needs it, and it takes longer than the rest of the start.
+    from scipy.interpolate import CubicSpline
+
+    closed = np.vstack([x, x[:1]])
+    return CubicSpline(np.append(phase, 1.0), closed, bc_type="periodic")
 
 
 def _lines(file: str, name: str) -> list[tuple[int, list[str]]]:
@@ -128,7 +117,6 @@ def _lines(file: str, name: str) -> list[tuple[int, list[str]]]:
 
 
 def _header(cells: list[str], axes: tuple[str, ...], where: str) -> list[str]:
-    position = [axis for axis in axes if axis in "xyz"]
     valid = ["t", "phase", *axes]
     for cell in cells:
         if cell not in valid:
@@ -144,8 +132,8 @@ def _header(cells: list[str], axes: tuple[str, ...], where: str) -> list[str]:
         raise ExperimentError(
             f"{where}: columns t and phase are both given; give t [s] or phase [cycles]"
         )
-    turns = [axis for axis in axes if axis not in position]
-    needed = axes if any(axis in cells for axis in turns) else position
+    position = [axis for axis in axes if axis in "xyz"]
+    needed = axes if any(axis in cells for axis in axes if axis not in position) else position
     for axis in needed:
         if axis not in cells:
             raise ExperimentError(
@@ -176,7 +164,7 @@ def _row(cells: list[str], columns: list[str], where: str, quoted: bool = True) 
         )
     values = []
     for cell, column in zip(cells, columns, strict=True):
-        unit = {"t": "s", "phase": "cycles"}.get(column, "m" if column in "xyz" else "rad")
+        unit = UNITS.get(column, "rad")
         at = f"{where}, column {column}"
         if not cell:
             raise ExperimentError(f"{at}: empty, a gap; a number in {unit} is needed")
@@ -206,7 +194,7 @@ def _check_clock(
     time: np.ndarray, clock: str, cycle: float, numbers: list[int], where: str
 ) -> bool:
     """Check that the rows' times fit into a cycle, and say whether the last closes it."""
-    unit = "s" if clock == "t" else "cycles"
+    unit = UNITS[clock]
     steps = np.diff(time)
     apart = steps > 1e-9 * cycle
     if not apart.all():
@@ -237,13 +225,13 @@ def _check_clock(
 def _check_repeats(
     x: np.ndarray, axes: tuple[str, ...], clock: str, cycle: float, where: str
 ) -> None:
-    for j, axis in enumerate(axes):
-        unit = "m" if axis in "xyz" else "rad"
-        if abs(x[-1, j] - x[0, j]) > 1e-6 * _largest_step(x):
+    for axis, first, last in zip(axes, x[0], x[-1], strict=True):
+        if abs(last - first) > 1e-6 * _largest_step(x):
             at = f"{cycle:g} {'s' if clock == 't' else 'cycle'}"
             raise ExperimentError(
-                f"{where}, column {axis} = {x[-1, j]:g}: a jump at the seam: this row is one cycle "
-                f"({at}) after the first and must repeat it, {axis} = {x[0, j]:g} {unit}"
+                f"{where}, column {axis} = {last:g}: a jump at the seam: this row is one cycle "
+                f"({at}) after the first and must repeat it, {axis} = {first:g} "
+                f"{UNITS.get(axis, 'rad')}"
             )
 
 
@@ -255,9 +243,8 @@ def _check_seam(x: np.ndarray, axes: tuple[str, ...], where: str) -> None:
         seam = float(np.linalg.norm(part[-1] - part[0]))
         largest = _largest_step(part)
         if seam > JUMP * largest * (1 + 1e-9):
-            point = ", ".join(
-                f"{axis} = {value:g}" for axis, value in zip(axes, x[-1], strict=True)
-            )
+            last = zip(axes, x[-1], strict=True)
+            point = ", ".join(f"{axis} = {value:g}" for axis, value in last)
             raise ExperimentError(
                 f"{where}, {point}: a jump at the seam: from this last row to the first the "
                 f"{kind} changes by {seam:.3g} {unit}, and between other rows by at most "

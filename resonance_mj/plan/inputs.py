@@ -36,20 +36,18 @@ def gather(experiment: Experiment, robot: list[Path]) -> tuple[Input, ...]:
         experiment: names a law, and waypoints.
         robot: its robot's files, the MJCF first; none for one that comes with the program.
     """
-    named = []
-    for file in robot:
-        root = Path(os.path.commonpath([one.parent for one in robot]))
-        key = "robot.mjcf" if file is robot[0] else ""
-        named.append((file.relative_to(root).as_posix(), file, key))
-    others = [("law.kind", experiment.law.kind)] if experiment.law.kind.endswith(".py") else []
-    others += [
-        (f"motion.{i}.file", motion.file)
-        for i, motion in enumerate(experiment.motion)
-        if motion.file
+    root = os.path.commonpath([file.parent for file in robot]) if robot else ""
+    keys = ["robot.mjcf", *[""] * len(robot)]
+    named = [
+        (file.relative_to(root).as_posix(), file, key)
+        for file, key in zip(robot, keys, strict=False)
     ]
-    for key, given in others:
-        name = f"{key.rpartition('.')[0]}-{Path(given).name}"
-        named.append((name, Path(given).absolute(), key))
+    others = {f"motion.{i}.file": motion.file for i, motion in enumerate(experiment.motion)}
+    law = experiment.law.kind
+    for key, given in {"law.kind": law if law.endswith(".py") else None, **others}.items():
+        if given:
+            name = f"{key.rpartition('.')[0]}-{Path(given).name}"
+            named.append((name, Path(given).absolute(), key))
     return tuple(Input(name, path, digest(path), key) for name, path, key in named)
 
 

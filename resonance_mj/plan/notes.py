@@ -11,9 +11,11 @@ from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
+from ..robots.touching import touching
 from ..springs.optimum import Optimum
+from ..text import length, percent
 
-NEAR_SINGULAR = 0.02
+NEAR_SINGULAR = 0.05
 """Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
 
 POSES = 40
@@ -37,7 +39,7 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
     said = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         name = f"motion.{index}"
-        J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
+        J = [kinematics.jacobian(q) for q in _poses(joints)]
         values = np.linalg.svd(J, compute_uv=False)
         nearest = float((values[:, -1] / values[:, 0]).min())
         if nearest < NEAR_SINGULAR:
@@ -45,6 +47,8 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
                 f"{name} comes near a singular pose: the smallest singular value of J falls to "
                 f"{nearest:.1e} of its largest"
             )
+        said += _beyond_ranges(name, kinematics.robot, joints)
+        said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
     return said
 
@@ -77,49 +81,72 @@ def _poses(joints: JointMotion) -> np.ndarray:
     return joints.q[:: max(1, len(joints.q) // POSES)]
 
 
+def _beyond_ranges(name: str, robot: Robot, joints: JointMotion) -> list[str]:
+    """Joints that a motion takes beyond the ends of their ranges."""
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    least, most = joints.q.min(axis=0), joints.q.max(axis=0)
+    return [
+        f"{name} takes {robot.joints[j]} from {least[j]:.3g} to {most[j]:.3g}, beyond its range, "
+        f"{low[j]:.3g} to {high[j]:.3g}: give another center, size or home"
+        for j in np.flatnonzero(((least < low) | (most > high)) & robot.limited)
+    ]
+
+
+def _touching(name: str, robot: Robot, joints: JointMotion) -> list[str]:
+    """What touches along a motion."""
+    found = touching(robot.model, robot.qpos, robot.qpos_address, _poses(joints))
+    return [
+        f"{name} makes {touch.first} touch {touch.second}, up to {length(touch.depth)} deep, for "
+        f"{percent(touch.share, 0)} of it: give another center, size or home, or "
+        "robot.contacts = false, with which bodies pass through each other"
+        for touch in found
+    ]
+
+
 def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
     """Motors that cannot give the torque that a motion needs with the best springs."""
     low, high = robot.torque_limit.T
     # Of each motor the limit on the side to which its torque points.
-    peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)])
-    limits = np.stack([high, -low])
-    said = []
-    for j, joint in enumerate(robot.joints):
-        for peak, limit in zip(peaks[:, j], limits[:, j], strict=True):
-            if peak > max(limit, 0.0):
-                said.append(
-                    f"{name} asks {joint} for {peak:.3g} N m even with the best springs, and its "
-                    f"motor gives {limit:g}"
-                    + (f", {peak / limit:.1f} times less" if limit > 0 else "")
-                    + ": slow the motion down or make it smaller"
-                )
-    return said
+    peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)], axis=1)
+    limits = np.stack([high, -low], axis=1)
+    return [
+        f"{name} asks {robot.joints[j]} for {peaks[j, side]:.3g} N m even with the best springs, "
+        f"and its motor gives {limits[j, side]:g}"
+        + (f", {peaks[j, side] / limits[j, side]:.1f} times less" if limits[j, side] > 0 else "")
+        + ": slow the motion down or make it smaller"
+        for j, side in np.argwhere(peaks > np.maximum(limits, 0.0))
+    ]
 
 
 def _unstable_feedback(
     name: str, experiment: Experiment, kinematics: Kinematics, gains: Gains, joints: JointMotion
 ) -> list[str]:
-    """Feedback that is unstable when sampled: an eigenvalue of M⁻¹ (Jᵀ K_v J + G) above 2/dt."""
-    limit = 2.0 / experiment.simulation.timestep
-    highest = max(
-        float(
-            np.linalg.eigvals(
-                np.linalg.solve(
-                    kinematics.inertia(q), J.T @ (gains.k_v[:, None] * J) + gains.feedback
-                )
-            ).real.max()
-        )
-        for q, J in ((q, kinematics.jacobian(q)) for q in _poses(joints))
-    )
+    """Feedback that is unstable when sampled: a mode of Jᵀ K_v J + G + D faster than 2/dt.
+
+    MuJoCo's integrators but RK4 take the joints' damping D implicitly, as if M were M + D dt.
+    """
+    dt, k_v = experiment.simulation.timestep, experiment.law.k_v
+    limit, D = 2.0 / dt, np.diag(kinematics.robot.damping)
+    implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
+    constant = D if gains.feedback.any() else 0 * D  # of G what law.omega does not scale
+    J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
+    M = np.array([kinematics.inertia(q) for q in _poses(joints)]) + implicit * D
+    scaled = J.swapaxes(1, 2) @ (gains.k_v[:, None] * J) + gains.feedback - constant
+    highest = _fastest(M, scaled + constant + D)
     if highest <= limit:
         return []
-    k_v = experiment.law.k_v
+    most = 1.0 / max(_fastest(limit * M - D - constant, scaled), 1e-300)
     key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
     return [
         f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
         f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
-        f"{value * limit / highest:.3g}"
+        f"{value * most:.3g}"
     ]
+
+
+def _fastest(mass: np.ndarray, damping: np.ndarray) -> float:
+    """The largest eigenvalue of mass⁻¹ damping (N, n, n) [1/s]."""
+    return float(np.linalg.eigvals(np.linalg.solve(mass, damping)).real.max())
 
 
 def _diverging(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -25,6 +27,8 @@ from ..robots.warned import heard
 from ..springs.optimum import Optimum, best_springs
 from . import notes
 from .inputs import Input, gather
+
+T = TypeVar("T")
 
 Followed = dict[tuple[object, ...], list[JointMotion]]
 """Joint motions by all that they depend on."""
@@ -50,6 +54,7 @@ class Plan:
     law: Law
     gains: Gains
     _followed: Followed = field(repr=False)
+    _warned: list[str] = field(default_factory=list, repr=False)
 
     @cached_property
     def joints(self) -> list[JointMotion]:
@@ -58,27 +63,31 @@ class Plan:
         Raises:
             MotionError: a motion leaves the arm's reach or passes through a singular pose.
         """
-        depends_on = self._path
+        experiment = self.experiment
+        # Not how often, by which law or with which load.
+        one_cycle = tuple(
+            motion.model_copy(update={"duration": motion.period, "blend": 0, "payload": 0.0})
+            for motion in experiment.motion
+        )
+        how = experiment.robot, experiment.task, experiment.simulation.timestep
+        depends_on = (*how, experiment.law.alpha_0, one_cycle)
         if depends_on not in self._followed:
-            self._followed[depends_on] = self._follow()
+            self._followed[depends_on] = self._heard(self._follow)
         return self._followed[depends_on]
 
     @cached_property
     def optima(self) -> list[Optimum]:
         """The best constant springs of each motion, by inverse dynamics; no law uses them."""
-        return [
-            best_springs(
-                joints.q,
-                loaded.torque(joints),
-                # Springs of other laws than the printed ones are centred on the motion's own mean.
-                center=self.q_c if self.experiment.law.printed else joints.q.mean(axis=0),
-                period=motion.period,
-                bounds=self.experiment.springs,
+        law, bounds, found = self.experiment.law, self.experiment.springs, []
+        for index, (joints, loaded) in enumerate(zip(self.joints, self.loaded, strict=True)):
+            torque = self._heard(partial(loaded.torque, joints))
+            # Springs of other laws than the printed ones are centred on the motion's own mean.
+            center = self.q_c if law.printed else joints.q.mean(axis=0)
+            period = self.experiment.motion[index].period
+            found.append(
+                best_springs(joints.q, torque, center=center, period=period, bounds=bounds)
             )
-            for motion, joints, loaded in zip(
-                self.experiment.motion, self.joints, self.loaded, strict=True
-            )
-        ]
+        return found
 
     @cached_property
     def q_c(self) -> np.ndarray:
@@ -93,24 +102,13 @@ class Plan:
     @cached_property
     def unstable(self) -> tuple[str, ...]:
         """What will diverge, a line each."""
-        return tuple(
-            notes.unstable(
-                self.experiment, self.loaded, self.gains, self.joints, self.optima, self.q_c
-            )
-        )
+        known = self.experiment, self.loaded, self.gains, self.joints, self.optima, self.q_c
+        return tuple(notes.unstable(*known))
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What was found, changed or is doubtful, a line each."""
-        with heard() as warned:
-            before = notes.before(self.loaded, self.joints, self.optima)
-            given = without_effect(
-                self.experiment,
-                square=self.robot.m == self.robot.n,
-                limited=bool(self.robot.model.jnt_limited[self.robot.joint_id].any()),
-            )
-            found = (*self.robot.notes, *given, *before, *self.unstable)
-        return tuple(dict.fromkeys((*found, *warned)))
+        return tuple(dict.fromkeys((*self._heard(self._look), *self._warned)))
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
@@ -119,7 +117,8 @@ class Plan:
         A robot that comes with the program is known by its name and the program's version.
         """
         built_in = self.robot.path in library.robots().values()
-        return gather(self.experiment, [] if built_in else source.files(self.robot.path))
+        files = [] if built_in else source.files(self.robot.path, self.experiment.robot.packages)
+        return gather(self.experiment, files)
 
     @property
     def layout(self) -> Layout:
@@ -150,14 +149,15 @@ class Plan:
         if begun is None:
             return samples
         if segment == 0:
-            rest = self.kinematics.position(self.robot.home)
             still = np.zeros_like(samples.x)
-            before = motions.Samples(still + rest, still, still)
+            before = motions.Samples(
+                still + self.kinematics.position(self.robot.home), still, still
+            )
         else:
             # The motion that is left goes on by the clock while the new one takes over.
-            left = self.experiment.motion[segment - 1]
-            old = motions.sample(left, self.steps(segment - 1), self.robot)
-            at = (begun * steps + np.arange(steps)) % self.steps(segment - 1)
+            left, length = self.experiment.motion[segment - 1], self.steps(segment - 1)
+            old = motions.sample(left, length, self.robot)
+            at = (begun * steps + np.arange(steps)) % length
             before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
         return motions.blended(before, samples, begun, motion.blend, motion.period)
 
@@ -196,19 +196,11 @@ class Plan:
     @property
     def fits_with(self) -> tuple[object, ...]:
         """Equal for experiments that one batch can step together."""
-        experiment = self.experiment
-        return (
-            experiment.robot.mjcf,
-            experiment.robot.tool,
-            experiment.task,
-            experiment.simulation.integrator,
-            self.law.command,
-            self.robot.payload,
-            tuple(motion.blend for motion in experiment.motion),
-            self.layout,
-            tuple(self.schedule),
-            tuple(self.steps(i) for i in range(len(experiment.motion))),
-        )
+        robot, motion = self.experiment.robot, self.experiment.motion
+        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload
+        how = self.experiment.simulation.integrator, self.law.command, self.layout
+        cycles = tuple((one.blend, self.steps(i)) for i, one in enumerate(motion))
+        return (*arm, self.experiment.task, *how, cycles, tuple(self.schedule))
 
     def refuse_unstable(self) -> None:
         """Raise a StabilityError if something will diverge."""
@@ -216,6 +208,22 @@ class Plan:
             rest = len(self.unstable) - 1
             more = f" (and {rest} more)" if rest else ""
             raise StabilityError(f"experiment {self.experiment.name!r}: {self.unstable[0]}{more}")
+
+    def _heard(self, work: Callable[[], T]) -> T:
+        """The result of some work, with what MuJoCo warns of meanwhile kept for the notes."""
+        with heard() as warned:
+            result = work()
+        self._warned.extend(warned)
+        return result
+
+    def _look(self) -> tuple[str, ...]:
+        given = without_effect(
+            self.experiment,
+            square=self.robot.m == self.robot.n,
+            limited=bool(self.robot.limited.any()),
+        )
+        before = notes.before(self.loaded, self.joints, self.optima)
+        return (*self.robot.notes, *given, *before, *self.unstable)
 
     def _follow(self) -> list[JointMotion]:
         experiment, start, found = self.experiment, self.robot.home, []
@@ -233,22 +241,6 @@ class Plan:
         if value == "running":  # of the cycles made: before the first the arm has stood at home
             return self.robot.home.copy()
         return np.broadcast_to(np.asarray(value, float), self.robot.n).copy()
-
-    @property
-    def _path(self) -> tuple[object, ...]:
-        """What the joint motions depend on: not how often, by which law or with which load."""
-        experiment = self.experiment
-        one_cycle = tuple(
-            motion.model_copy(update={"duration": motion.period, "blend": 0, "payload": 0.0})
-            for motion in experiment.motion
-        )
-        return (
-            experiment.robot,
-            experiment.task,
-            experiment.simulation.timestep,
-            experiment.law.alpha_0,
-            one_cycle,
-        )
 
 
 def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:

@@ -8,6 +8,13 @@ from numpy.typing import ArrayLike
 OPTIMUM_BAND = 0.05
 """Relative distance from the optimal torque² within which a cycle counts as at the optimum."""
 
+NO_TORQUE = 1e-4
+"""Share of torque² without springs below which two torques² are both nothing, and the same."""
+
+TRACKING = 0.02
+"""RMS error up to which a tool follows its path, as a share of the path's size; of rotation, which
+has no size, in radians."""
+
 LEAST_REDUCTION = 1e-9
 """Reduction of the optimum below which no spring helps, and a share of it means nothing."""
 
@@ -31,20 +38,38 @@ def share(reduced: ArrayLike, optimal: ArrayLike) -> np.ndarray:
     return np.divide(reduced, optimal, out=none, where=optimal > LEAST_REDUCTION)
 
 
-def cycles_to_optimum(torque_squared: np.ndarray, optimal: float) -> int | None:
+def tracks(position: ArrayLike, size: float, rotation: ArrayLike | None = None) -> np.ndarray:
+    """Whether a tool follows its path: to 2 % of the path's size, and 20 mrad.
+
+    Args:
+        position: RMS error of cycles (C,) [m].
+        size: of the path [m].
+        rotation: RMS error of the rotation (C,) [rad]; None for a task without.
+    """
+    follows = np.asarray(position) <= TRACKING * size
+    return follows if rotation is None else follows & (np.asarray(rotation) <= TRACKING)
+
+
+def cycles_to_optimum(
+    torque_squared: np.ndarray, optimal: float, without: float, tracks: np.ndarray
+) -> int | None:
     """First cycle, counted from 1, from which torque² stays within 5 % of the optimum's.
 
-    A cycle below the band counts as outside: it needs less torque because it does not track yet.
+    A cycle that does not track, or is below the band, counts as outside: it needs less torque
+    because it makes another motion.
 
     Args:
         torque_squared: per cycle of one motion (cycles,) [N² m²].
         optimal: of the optimum [N² m²].
+        without: of the motion without springs [N² m²].
+        tracks: whether the tool follows its path in each cycle (cycles,).
 
     Returns:
-        The cycle, or None if the last cycle is outside, or the optimum is 0.
+        The cycle, or None if the last cycle is outside, or the motion needs no torque.
     """
-    if not optimal > 0:
+    if not without > 0:
         return None
-    outside = np.flatnonzero(~(np.abs(torque_squared / optimal - 1.0) <= OPTIMUM_BAND))
+    near = np.abs(torque_squared - optimal) <= max(OPTIMUM_BAND * optimal, NO_TORQUE * without)
+    outside = np.flatnonzero(~(near & tracks))
     first = int(outside[-1]) + 1 if outside.size else 0
     return first + 1 if first < len(torque_squared) else None

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from .metrics import cycles_to_optimum, reduction
+from ..text import NOTHING
+from .metrics import cycles_to_optimum, reduction, tracks
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class MotionOfRun:
         start: when it begins [s].
         end: when it would end if all its cycles were simulated [s].
         period: cycle time [s].
+        size: largest extent of the desired path along an axis [m].
         cycles: numbers in the run of its whole cycles (C,).
         passage: whether each is part of the passage into the motion, which teaches nothing (C,).
         torque_squared: mean of τᵀτ over each cycle (C,) [N² m²].
@@ -44,6 +46,7 @@ class MotionOfRun:
     start: float
     end: float
     period: float
+    size: float
     cycles: np.ndarray
     passage: np.ndarray
     torque_squared: np.ndarray
@@ -66,10 +69,16 @@ class MotionOfRun:
     def optimum_of(self) -> str:
         """Which joint motion the optimum is of: `desired`, or `made` where the task leaves it free.
 
-        The one made is that of the motion's last whole cycle.
+        The one made is that of the motion's last whole cycle, if the tool followed its path in it.
         """
         sizes = self.samples.sizes
-        return "made" if sizes["axis"] < sizes["joint"] else "desired"
+        free = sizes["axis"] < sizes["joint"]
+        return "made" if free and self.tracks[-1:].any() else "desired"
+
+    @property
+    def tracks(self) -> np.ndarray:
+        """Whether the tool follows its path in each cycle (C,)."""
+        return tracks(self.tracking_rms, self.size, self.rotation_rms)
 
     @property
     def torque_reduction_optimal(self) -> float:
@@ -79,8 +88,25 @@ class MotionOfRun:
 
     @property
     def cycles_to_optimum(self) -> int | None:
-        """First cycle of the motion, from 1, from which torque² stays within 5 % of the optimum."""
-        return cycles_to_optimum(self.torque_squared, self.torque_squared_optimal)
+        """First cycle of the motion, from 1, from which it tracks with the optimum's torque²."""
+        return cycles_to_optimum(
+            self.torque_squared,
+            self.torque_squared_optimal,
+            self.torque_squared_without_springs,
+            self.tracks,
+        )
+
+    @property
+    def verdict(self) -> str:
+        """What the last cycle is: at the optimum, off the path, or neither."""
+        if not len(self.cycles):
+            return NOTHING
+        if not self.tracks[-1]:
+            return "off path"
+        if self.cycles_to_optimum or not self.torque_squared_without_springs > 0:
+            return "at optimum"
+        below = self.torque_squared[-1] < self.torque_squared_optimal
+        return "below optimum" if below else "above optimum"
 
     def summary(self) -> dict[str, Any]:
         """The motion's figures in its last whole cycle beside the optimum's, as in summary.json.
@@ -117,6 +143,7 @@ _PER_MOTION = (
     "start",
     "end",
     "period",
+    "size",
     "torque_squared_optimal",
     "torque_squared_without_springs",
 )

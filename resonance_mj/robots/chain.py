@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import mujoco
-import numpy as np
 
 from ..errors import RobotError
 
@@ -19,19 +18,37 @@ def joints_to(model: mujoco.MjModel, body: int) -> list[int]:
     return joints
 
 
-def lengths(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
-    """Of each body, how many joints and how many bodies stand between the world and it (nbody,).
+def sprung_to(model: mujoco.MjModel, body: int) -> tuple[int, ...]:
+    """Ids of the joints to a body from the world, or from a base that floats.
 
-    No joints are counted where one of them can carry no spring.
+    None where one of them can carry no spring.
     """
-    joints, bodies = np.zeros((2, model.nbody), int)
-    sprung = np.ones(model.nbody, bool)
-    for body in range(1, model.nbody):
-        parent, own = int(model.body_parentid[body]), _joints_of(model, body)
-        sprung[body] = sprung[parent] and all(carries_spring(model, j) for j in own)
-        joints[body] = joints[parent] + len(own)
-        bodies[body] = bodies[parent] + 1
-    return joints * sprung, bodies
+    joints = joints_to(model, body)
+    if joints and floats(model, joints[0]):
+        joints = joints[1:]
+    return tuple(joints) if all(carries_spring(model, j) for j in joints) else ()
+
+
+def mobile_base(model: mujoco.MjModel, joints: list[int]) -> list[int]:
+    """The first joints of an arm, where they move its base over the ground: two slides at least.
+
+    Axes of a gantry have carriages that weigh something; those of a base sit on one body, or on
+    bodies without mass.
+    """
+    base: list[int] = []
+    carrier = model.jnt_bodyid[joints[0]] if joints else 0
+    for j in joints:
+        body = model.jnt_bodyid[j]
+        if body != carrier and model.body_mass[carrier] > 1e-3 * model.body_subtreemass[carrier]:
+            break
+        base, carrier = [*base, j], body
+    slides = [model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_SLIDE) for j in base]
+    return base if sum(slides) >= 2 and len(base) < len(joints) else []
+
+
+def depth(model: mujoco.MjModel, body: int) -> int:
+    """How many bodies stand between the world and a body."""
+    return 0 if body == 0 else 1 + depth(model, int(model.body_parentid[body]))
 
 
 def _joints_of(model: mujoco.MjModel, body: int) -> range:
@@ -52,6 +69,11 @@ def carries_spring(model: mujoco.MjModel, joint: int) -> bool:
         mujoco.mjtJoint.mjJNT_HINGE,
         mujoco.mjtJoint.mjJNT_SLIDE,
     )
+
+
+def floats(model: mujoco.MjModel, joint: int) -> bool:
+    """Whether a joint leaves its body free."""
+    return int(model.jnt_type[joint]) == mujoco.mjtJoint.mjJNT_FREE
 
 
 def check(model: mujoco.MjModel, chain: list[int], path: Path, tool: str = "the arm's end") -> None:

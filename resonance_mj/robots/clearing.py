@@ -6,28 +6,21 @@ import mujoco
 import numpy as np
 
 from ..text import listed
-from .motors import is_torque_motor
+from .touching import FAR, called, contacts, distance
 
 
 def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
-    """Delete what acts on joints besides the law, or refers to what is deleted."""
+    """Delete what acts on joints besides motors and the law, or refers to what is deleted."""
     for kind, elements in (
-        ("actuators", spec.actuators),
         ("tendons", spec.tendons),
         ("equality constraints", spec.equalities),
         ("sensors", spec.sensors),
         ("keyframes", spec.keys),
     ):
-        names = [
-            element.name or "unnamed"
-            for element in elements
-            if kind != "actuators" or not is_torque_motor(element)
-        ]
+        names = [element.name or "unnamed" for element in elements]
         for element in list(elements):
             spec.delete(element)
-        if names and kind == "actuators":
-            notes.append(f"replaced by torque motors, limits kept: actuators {listed(names)}")
-        elif names and kind not in ("sensors", "keyframes"):
+        if names and kind not in ("sensors", "keyframes"):
             notes.append(f"taken out: {kind} {listed(names)}")
 
 
@@ -50,6 +43,41 @@ def take_springs_off(
         joint.springdamper = [0.0, 0.0]
     if taken:
         notes.append(f"taken off, the law puts its own there: springs of {listed(taken)}")
+
+
+def let_overlaps_pass(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, at_home: mujoco.MjData, notes: list[str]
+) -> None:
+    """Let neighbours that overlap at home pass through each other, and say what else touches.
+
+    Args:
+        spec: of the robot, changed.
+        model: of the file.
+        at_home: its state at home.
+        notes: get a line of either.
+    """
+    found: dict[tuple[str, ...], tuple[int, float, str]] = {}
+    for first, second, depth in contacts(model, at_home):
+        bodies = tuple(model.body(max(0, model.geom_bodyid[geom])).name for geom in (first, second))
+        away, deepest, _ = found.get(bodies, (0, 0.0, ""))
+        names = f"{called(model, first)} and {called(model, second)}"
+        found[bodies] = (max(away, distance(model, first, second)), max(deepest, depth), names)
+    for bodies, (away, _, _) in found.items():
+        if away < FAR:
+            spec.add_exclude(bodyname1=bodies[0], bodyname2=bodies[1])
+    passing = [names for away, _, names in found.values() if away < FAR]
+    others = [
+        f"{names} ({1e3 * depth:.3g} mm deep)"
+        for away, depth, names in found.values()
+        if away == FAR
+    ]
+    if passing:
+        notes.append(f"neighbours that overlap at home do not collide: {listed(passing)}")
+    if others:
+        notes.append(
+            f"in contact at home: {listed(others)}; give a robot.home without, or robot.contacts = "
+            "false lets all bodies pass"
+        )
 
 
 def passive_gravity(spec: mujoco.MjSpec, notes: list[str]) -> None:

@@ -10,15 +10,27 @@ import mujoco
 
 from ..errors import RobotError
 from . import names, urdf, warned
+from .decompiling import spec_of
+
+COMPILED = ".mjb"
+"""Ending of a file that holds a compiled model."""
 
 _turn = threading.Lock()
 
 
-def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
-    """A file as an editable model, in which every joint and body has a name.
+def parse(
+    path: Path,
+    packages: tuple[str, ...] = (),
+    notes: list[str] | None = None,
+    *,
+    visuals: bool = True,
+) -> mujoco.MjSpec:
+    """A file as an editable model, in which every joint, body and site has a name.
 
     Args:
         path: of the file.
+        packages: folders in which the packages of a URDF are looked for.
+        notes: get lines of what is left out of a URDF.
         visuals: whether what is only seen is kept; it is where MuJoCo needs it for inertias.
 
     Raises:
@@ -26,9 +38,12 @@ def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
     """
     try:
         # From a relative path it does not find meshes that lie beside a file that is included.
-        spec = mujoco.MjSpec.from_file(str(path.absolute()))
-        if visuals and urdf.is_urdf(path):
-            spec = urdf.with_visuals(path, spec)
+        if urdf.is_urdf(path):
+            spec = urdf.read(path, packages, [] if notes is None else notes)
+        elif path.suffix == COMPILED:
+            spec = spec_of(mujoco.MjModel.from_binary_path(str(path)), str(path))
+        else:
+            spec = mujoco.MjSpec.from_file(str(path.absolute()))
     except (ValueError, mujoco.FatalError) as error:
         raise RobotError(rejected(path, error)) from None
     # Bodies that are fused would lose their names, and the others their numbers; a payload's body
@@ -38,6 +53,7 @@ def parse(path: Path, *, visuals: bool = True) -> mujoco.MjSpec:
     spec.compiler.discardvisual = not (visuals or needed)
     names.name_all(spec.joints, "joint")
     names.name_all(spec.bodies, "body")
+    names.name_all(spec.sites, "site")
     return spec
 
 

@@ -1,21 +1,68 @@
-"""A home pose for an arm whose author gives none: well-conditioned, free, and always the same."""
+"""Where an arm starts: as given, as its author has it, else well-conditioned and free."""
 
 from __future__ import annotations
 
 import mujoco
 import numpy as np
 
+from ..errors import RobotError
+from ..experiments.sections import Robot
+from ..text import shown
 from .mjcf import Arm
+from .touching import FAR, contacts, distance
 
 SAMPLES = 3000
+
+
+def chosen(given: Robot, arm: Arm) -> np.ndarray:
+    """Joint angles at the start (n,) [rad or m].
+
+    A keyframe that nobody named and that is at a joint's limit is not taken.
+
+    Args:
+        given: what the experiment says of the robot.
+        arm: the arm, whose notes get a line of where it starts.
+
+    Raises:
+        RobotError: a home that is given has too few or too many angles, or is at a joint's limit.
+    """
+    if isinstance(given.home, tuple) and len(given.home) != len(arm.joints):
+        raise RobotError(
+            f"{arm.path}: robot.home has {len(given.home)} angles and the arm has "
+            f"{len(arm.joints)} joints ({', '.join(arm.joints)})"
+        )
+    home = np.asarray(given.home, float) if isinstance(given.home, tuple) else arm.home
+    limit = None if home is None or not given.limits else _at_limit(arm, home)
+    if limit and given.home is not None:
+        raise RobotError(
+            f"{arm.path}: robot.home = {shown(given.home)}: {limit}: give angles inside it, or "
+            "robot.limits = false"
+        )
+    if home is not None and not limit:
+        if given.home is None:
+            arm.notes.append("home: the keyframe 'home'")
+        return home
+    found = find(arm)
+    instead = f"; not the keyframe 'home': {limit}" if limit else ""
+    arm.notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}{instead}")
+    return found
+
+
+def _at_limit(arm: Arm, home: np.ndarray) -> str | None:
+    """What to say of the first joint that is at a limit, or beyond it; None if none is."""
+    for name, j, q in zip(arm.joints, arm.joint_id, home, strict=True):
+        low, high = arm.model.jnt_range[j]
+        if arm.model.jnt_limited[j] and not low < q < high:
+            return f"joint {name} is at {q:g}, and its range is {low:g} to {high:g}"
+    return None
 
 
 def find(arm: Arm) -> np.ndarray:
     """Joint angles (n,) [rad or m] away from joint limits, singular poses and contacts.
 
     Of poses drawn with a fixed seed, the one with the best product of the tool Jacobian's smallest
-    singular value and the distance to the nearest joint limit, among those without a contact; among
-    all where bodies that overlap leave none without.
+    singular value and the distance to the nearest joint limit, among those without a contact; where
+    there is none, among those in which only neighbours touch, the nearest possible.
     """
     model, data, joint_id = arm.model, arm.at_home, arm.joint_id
     rng = np.random.default_rng(20)
@@ -24,21 +71,20 @@ def find(arm: Arm) -> np.ndarray:
     free = np.where(slide, 0.5, np.pi)
     low = np.where(limited, model.jnt_range[joint_id, 0], -free)
     high = np.where(limited, model.jnt_range[joint_id, 1], free)
-    best, pose = -1.0, None
-    best_touching, touching = -1.0, (low + high) / 2
+    best = np.full(FAR + 2, -1.0)
+    poses = [(low + high) / 2] * len(best)
     for _ in range(SAMPLES):
         share = rng.uniform(0.15, 0.85, len(joint_id))
         q = low + share * (high - low)
         jacobian = arm.jacobian(q)
         margin = np.where(limited, 2 * np.minimum(share, 1 - share), 1.0).min()
         score = margin * _conditioning(jacobian)
-        if score > best:
-            mujoco.mj_collision(model, data)
-            if data.ncon == 0:
-                best, pose = score, q
-            elif score > best_touching:
-                best_touching, touching = score, q
-    return touching if pose is None else pose
+        if score > best[0]:
+            touched = [distance(model, one, other) for one, other, _ in contacts(model, data)]
+            kind = max(touched, default=0)
+            if score > best[kind]:
+                best[kind], poses[kind] = score, q
+    return poses[int(np.argmax(best > -1.0))]
 
 
 def _conditioning(jacobian: np.ndarray) -> float:

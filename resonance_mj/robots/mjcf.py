@@ -15,9 +15,10 @@ import numpy as np
 
 from .. import library
 from ..errors import RobotError
+from ..experiments.sections import Robot
 from ..files import is_file
 from ..text import listed, shown
-from . import chain, clearing, menagerie, motors, names, poses, sound
+from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound, source
 from .compiling import compile_spec, parse
 from .tool import Tool, find_tools
 
@@ -82,37 +83,49 @@ def find(mjcf: str) -> Path:
         return built_in[mjcf]
     if is_file(mjcf):
         return Path(mjcf)
+    if mjcf and Path(mjcf).is_dir() and (inside := source.robots_in(Path(mjcf))):
+        if len(inside) == 1:
+            return inside[0]
+        raise RobotError(
+            f"robot.mjcf = {shown(mjcf)}: a folder with several robots; give one of "
+            f"{listed(map(str, inside))}"
+        )
     raise RobotError(
         f"robot.mjcf = {shown(mjcf)}: no such file; give the path of an MJCF file or one of "
         f"{listed(built_in)}"
     )
 
 
-def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
+def read(given: Robot) -> Arm:
     """Find the arm in an MJCF file and make it one that the law can drive.
 
     Args:
-        mjcf: path, or name in mjcf/.
-        tool: name of a site or body; None to find it.
-        home: name of a keyframe; None for `home` if there is one.
+        given: what the experiment says of the robot.
 
     Raises:
         RobotError: the file is missing, MuJoCo rejects it, or it holds no arm that can be driven;
             the message names the file and the element.
     """
-    path = find(mjcf)
+    path = find(given.mjcf)
     # MuJoCo takes a mesh from memory if its file has the same time, which counts whole seconds.
     mujoco.mj_clearCache(mujoco.mj_getCache())
     # Read twice: to find the arm takes none of the meshes that are only seen, and to edit a spec
     # that has been compiled copies all of them each time.
-    model, spec = compile_spec(parse(path, visuals=False), path), parse(path)
-    sound.check_numbers(model, path)
     notes: list[str] = []
-    tools = find_tools(model, tool, path, notes)
+    model = compile_spec(parse(path, given.packages, visuals=False), path)
+    spec = parse(path, given.packages, notes)
+    sound.check_numbers(model, path)
+    tools = find_tools(model, given.tool, given.arm, path, notes)
     site, body = tools[0].name, int(model.body(tools[0].body).id)
-    joint_ids = chain.joints_to(model, body)
+    between = chain.joints_to(model, body)
+    joint_ids = moving.joints(model, between, given.joints, path, notes)
     if not joint_ids:
-        raise RobotError(f"{path}: no joint moves the tool {site!r}")
+        only = "".join(
+            f" but the free joint {model.joint(j).name!r}, which is held" for j in between
+        )
+        raise RobotError(
+            f"{path}: no joint moves the tool {site!r}{only}; an arm needs hinge and slide joints"
+        )
     chain.check(model, joint_ids, path, f"the tool {site!r}")
     point = np.zeros(3)
     if tools[0].kind == "site":
@@ -120,11 +133,16 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
     else:
         of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
         poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
-    at_home, has_key = _at_home(model, home, path)
+    at_home, key = _at_home(model, given.home if isinstance(given.home, str) else None, path)
+    others = [model.key(i).name for i in range(model.nkey) if model.key(i).name not in ("", key)]
+    if others:
+        notes.append(f"keyframes that robot.home can name: {listed(others)}")
     chain.weld_rest(model, joint_ids)
     joints = tuple(model.joint(j).name for j in joint_ids)
     limits = [motors.torque_limit(model, j) for j in joint_ids]
     motors.keep_rotors(spec, model, joint_ids)
+    closures.check(model, joint_ids, given.joints is not None, path)
+    motors.replace(spec, model, joint_ids, notes)
     clearing.take_out(spec, notes)
     poses.hold_off_chain(spec, model, at_home, joint_ids, notes)
     clearing.take_springs_off(spec, model, joints, notes)
@@ -143,13 +161,15 @@ def read(mjcf: str, tool: str | None, home: str | None) -> Arm:
         site=site,
         body=body,
         point=point,
-        home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if has_key else None,
+        home=at_home.qpos[model.jnt_qposadr[joint_ids]].copy() if key is not None else None,
         notes=notes,
     )
 
 
-def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoco.MjData, bool]:
-    """The whole model at home, and whether a keyframe says so."""
+def _at_home(
+    model: mujoco.MjModel, name: str | None, path: Path
+) -> tuple[mujoco.MjData, str | None]:
+    """The whole model at home, and the name of the keyframe that says so."""
     keys = [model.key(i).name for i in range(model.nkey)]
     data = mujoco.MjData(model)
     if name is None:
@@ -164,4 +184,4 @@ def _at_home(model: mujoco.MjModel, name: str | None, path: Path) -> tuple[mujoc
     if name is not None:
         mujoco.mj_resetDataKeyframe(model, data, keys.index(name))
     mujoco.mj_kinematics(model, data)
-    return data, name is not None
+    return data, name

@@ -5,6 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from ..text import listed
+
 BOUNDED = (
     mujoco.mjtDyn.mjDYN_NONE,
     mujoco.mjtDyn.mjDYN_FILTER,
@@ -53,6 +55,37 @@ def _actuator_limit(model: mujoco.MjModel, a: int) -> tuple[float, float]:
         high = min(high, model.actuator_forcerange[a, 1])
     ends = sorted((gear * low, gear * high)) if gear else [0.0, 0.0]
     return ends[0], ends[1]
+
+
+def replace(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int], notes: list[str]) -> None:
+    """Take the file's actuators out, and say what becomes of each; `add_motor` puts ours there."""
+    ours = {a for j in chain for a in _acting_on(model, j)}
+    kept, without, gone = [], [], []
+    for a, actuator in enumerate(list(spec.actuators)):
+        muscle = int(model.actuator_gaintype[a]) == int(mujoco.mjtGain.mjGAIN_MUSCLE)
+        through = int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_TENDON)
+        name = actuator.name or f"that of {actuator.target}"
+        if muscle or through:
+            without.append(f"{name} (a {'muscle' if muscle else 'tendon'})")
+        elif a not in ours:
+            gone.append(name)
+        elif not is_torque_motor(actuator):
+            kept.append(name)
+        spec.delete(actuator)
+    for what, names in (
+        ("replaced by torque motors, limits kept: actuators", kept),
+        ("replaced by torque motors without limits, which these do not have at joints:", without),
+        ("taken out, they turn no joint of the arm: actuators", gone),
+    ):
+        if names:
+            notes.append(f"{what} {listed(names)}")
+    for j in chain:
+        low, high = torque_limit(model, j) or NO_LIMIT
+        if low >= 0 or high <= 0:
+            notes.append(
+                f"the motor of {model.joint(j).name} gives {low:g} to {high:g} N m: it can turn "
+                "the joint one way only"
+            )
 
 
 def keep_rotors(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int]) -> None:

@@ -23,8 +23,19 @@ def hold_off_chain(
     """Fix the joints that do not move the tool, and mocap bodies, where the home pose has them."""
     off = [j for j in range(model.njnt) if j not in chain]
     mocap = np.flatnonzero(model.body_mocapid >= 0)
+    # A body on joints of both kinds is placed by those that are held alone, and turns the others.
+    rest = mujoco.MjData(model)
+    rest.qpos[:] = at_home.qpos
+    rest.qpos[model.jnt_qposadr[chain]] = model.qpos0[model.jnt_qposadr[chain]]
+    mujoco.mj_kinematics(model, rest)
+    moved = set(model.jnt_bodyid[chain].tolist())
     for body in sorted({*model.jnt_bodyid[off].tolist(), *mocap.tolist()}):
-        _place(spec.bodies[body], at_home, body, int(model.body_parentid[body]))
+        data = rest if body in moved else at_home
+        _place(spec.bodies[body], data, body, int(model.body_parentid[body]))
+        for j in (j for j in chain if model.jnt_bodyid[j] == body):
+            joint, into = spec.joint(model.joint(j).name), rest.xmat[body].reshape(3, 3).T
+            joint.pos = into @ (rest.xanchor[j] - rest.xpos[body])
+            joint.axis = into @ rest.xaxis[j]
     names = [model.joint(j).name for j in off]
     for name in names:
         spec.delete(spec.joint(name))

@@ -11,13 +11,15 @@ import numpy as np
 
 from ..errors import ExperimentError, RobotError
 from ..experiments.experiment import Experiment
+from ..text import joined
+from . import clearing, mjcf, payload, sound, task
 from . import home as homes
-from . import mjcf, payload, sound
 from .compiling import compile_spec
 from .tool import Tool
 from .warned import heard
 
-AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
+NARROW = 0.2
+"""Range of a hinge joint that hardly an arm has, but one in radians read as degrees [rad]."""
 
 INTEGRATORS = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,
@@ -102,6 +104,30 @@ class Robot:
         return (self.model.jnt_type[self.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)).astype(int)
 
     @property
+    def damping(self) -> np.ndarray:
+        """Viscous damping of each joint (n,) [N m s/rad]."""
+        return self.model.dof_damping[self.dof_address]
+
+    @property
+    def limited(self) -> np.ndarray:
+        """Whether each joint is stopped at the ends of its range (n,)."""
+        stops = not self.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT
+        return self.model.jnt_limited[self.joint_id].astype(bool) & stops
+
+    @property
+    def hint(self) -> str:
+        """Where joints hardly turn, what their file may lack; to be put behind a message."""
+        width = np.ptp(self.model.jnt_range[self.joint_id], axis=1)
+        few = np.flatnonzero(self.limited & (width < NARROW) & (self.slides == 0))
+        named = joined([self.joints[j] for j in few])
+        if not few.size:
+            return ""
+        return (
+            f"; {named}: less than {NARROW} rad to turn; if the file has its angles in radians, it "
+            'lacks <compiler angle="radian"/>'
+        )
+
+    @property
     def rotates(self) -> bool:
         """Whether the task has rotation, its last three coordinates."""
         return self.axes[-1] == "rz"
@@ -133,14 +159,16 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
     """
     given = experiment.robot
     with heard() as warned:
-        keyframe = given.home if isinstance(given.home, str) else None
         sound.check_texts(mjcf.find(given.mjcf))
-        arm = mjcf.read(given.mjcf, given.tool, keyframe)
+        arm = mjcf.read(given)
         path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
-        _set_options(spec, experiment)
+        _set_options(spec, experiment, arm)
         arm.model.opt.disableflags = spec.option.disableflags
-        home = _home(experiment, arm)
-        axes = _axes(experiment, arm.jacobian(home), path, notes)
+        home = homes.chosen(given, arm)
+        if given.contacts:
+            arm.at_home.qpos[arm.model.jnt_qposadr[arm.joint_id]] = home
+            clearing.let_overlaps_pass(spec, arm.model, arm.at_home, notes)
+        axes = task.axes(experiment.task.coordinates, arm, home)
         _check_lengths(experiment, joints, axes, path)
         n = len(joints)
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), n)
@@ -154,7 +182,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         qpos[model.jnt_qposadr[joint_id]] = home
         jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
         sound.check_inertia(inertia, joints, path)
-    coordinate = np.array([AXES[axis] for axis in axes])
+    coordinate = np.array([task.AXES[axis] for axis in axes])
     J = jacobian[coordinate]
     return Robot(
         model=model,
@@ -181,10 +209,26 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
     )
 
 
-def _set_options(spec: mujoco.MjSpec, experiment: Experiment) -> None:
-    """Write what the experiment says of the simulation into the model."""
-    spec.option.timestep = experiment.simulation.timestep
-    spec.option.integrator = INTEGRATORS[experiment.simulation.integrator]
+def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> None:
+    """Write what the experiment says of the simulation into the model.
+
+    What is not MuJoCo's own default in the file, and nobody asked to change, is said.
+    """
+    given, of_file, usual = experiment.simulation, spec.option, mujoco.MjSpec().option
+    integrator = mujoco.mjtIntegrator(of_file.integrator)
+    for key, value, name, was_given in (
+        ("timestep", given.timestep, of_file.timestep, of_file.timestep != usual.timestep),
+        (
+            "integrator",
+            given.integrator,
+            next((name for name, one in INTEGRATORS.items() if one == integrator), integrator.name),
+            integrator != usual.integrator,
+        ),
+    ):
+        if was_given and name != value and key not in given.model_fields_set:
+            arm.notes.append(f"simulation.{key} is {value}; the file has {name}")
+    spec.option.timestep = given.timestep
+    spec.option.integrator = INTEGRATORS[given.integrator]
     if experiment.simulation.gravity is not None:
         spec.option.gravity = experiment.simulation.gravity
     # A reset would wipe the record of a run that diverges; the controller detects it first.
@@ -199,33 +243,6 @@ def _set_options(spec: mujoco.MjSpec, experiment: Experiment) -> None:
 def _torque_limits(model: mujoco.MjModel, actuator_id: np.ndarray) -> np.ndarray:
     limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
     return np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
-
-
-def _axes(
-    experiment: Experiment, jacobian: np.ndarray, path: Path, notes: list[str]
-) -> tuple[str, ...]:
-    """The task's coordinates; if not given, the positions that the arm controls at home."""
-    given = experiment.task.coordinates
-    if given is not None:
-        return tuple(
-            axis
-            for name in given
-            for axis in (("rx", "ry", "rz") if name == "rotation" else (name,))
-        )
-    # One arm moves in x and z, another in all three: take the axes in turn, and leave out one that
-    # moves only as the others make it.
-    size = np.linalg.norm(jacobian[:3])
-    found: list[str] = []
-    for axis in "xzy":
-        rows = jacobian[[AXES[name] for name in (*found, axis)]]
-        enough = len(rows) <= jacobian.shape[1]
-        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
-            found.append(axis)
-    if not found:
-        raise RobotError(f"{path}: the tool cannot be moved from the home pose")
-    axes = tuple(sorted(found))
-    notes.append(f"task: position in {', '.join(axes)}, which the arm controls at home")
-    return axes
 
 
 def _check_lengths(
@@ -259,24 +276,6 @@ def _check_lengths(
                 f"experiment {experiment.name!r}: {key} = {list(value)} has {len(value)} numbers; "
                 f"{len(names)} are needed, one per {each} of {path.name}: {', '.join(names)}"
             )
-
-
-def _home(experiment: Experiment, arm: mjcf.Arm) -> np.ndarray:
-    given = experiment.robot.home
-    if isinstance(given, tuple):
-        if len(given) != len(arm.joints):
-            raise RobotError(
-                f"{arm.path}: robot.home has {len(given)} angles and the arm has "
-                f"{len(arm.joints)} joints ({', '.join(arm.joints)})"
-            )
-        return np.asarray(given, float)
-    if arm.home is not None:
-        if given is None:
-            arm.notes.append("home: the keyframe 'home'")
-        return arm.home
-    found = homes.find(arm)
-    arm.notes.append(f"home: found, {np.array2string(found, precision=3, separator=', ')}")
-    return found
 
 
 def _at_home(

@@ -13,7 +13,7 @@ import mujoco
 from ..errors import RobotError
 from ..files import regular
 from ..text import cut
-from .compiling import compile_spec, parse
+from .compiling import COMPILED, compile_spec, parse
 from .urdf import is_urdf
 from .warned import heard
 
@@ -26,11 +26,12 @@ LARGEST = 512_000_000
 """Bytes that the files of an archive may have together."""
 
 
-def files(path: Path) -> list[Path]:
+def files(path: Path, packages: tuple[str, ...] = ()) -> list[Path]:
     """All files of a robot, absolute, the one that was named first.
 
     Args:
         path: of an MJCF, a URDF or an archive that MuJoCo reads.
+        packages: folders in which the packages of a URDF are looked for.
 
     Raises:
         RobotError: MuJoCo rejects it.
@@ -41,9 +42,24 @@ def files(path: Path) -> list[Path]:
         # MuJoCo names no mesh of a URDF, and a wrong place where paths are stripped or meshes lie
         # beside a file that is included: where they were read, the model knows.
         with heard():
-            read = compile_spec(parse(path), path).paths.decode("utf-8", "surrogateescape")
+            read = compile_spec(parse(path, packages), path).paths.decode(
+                "utf-8", "surrogateescape"
+            )
         named |= {Path(os.path.normpath(name)) for name in read.split("\0") if name}
     return [path, *sorted(file for file in named - {path} if file.is_file())]
+
+
+def robots_in(folder: Path) -> list[Path]:
+    """The robots of a folder: the one that is called as it is, else all that no other includes.
+
+    A scene around a robot is none.
+    """
+    endings = (*XML, *ARCHIVES, COMPILED)
+    found = sorted(file for file in folder.iterdir() if file.suffix.lower() in endings)
+    named = [file for file in found if file.stem in (folder.resolve().name, "robot", "model")]
+    alone = [file for file in found if not file.stem.startswith("scene")] or found
+    parts = {part for file in alone for part in _named(file.absolute()) - {file.absolute()}}
+    return named[:1] or [file for file in alone if file.absolute() not in parts]
 
 
 def texts(path: Path) -> Iterator[tuple[str, bytes]]:
@@ -54,6 +70,8 @@ def texts(path: Path) -> Iterator[tuple[str, bytes]]:
     """
     if path.suffix in ARCHIVES:
         yield from _archived_texts(path)
+        return
+    if path.suffix == COMPILED:
         return
     for file in sorted(_named(path)):
         if file.suffix in XML or file == path:
@@ -81,7 +99,7 @@ def _archived_texts(path: Path) -> Iterator[tuple[str, bytes]]:
 
 def _named(path: Path) -> set[Path]:
     """A file and those that it, or one of them, refers to by name."""
-    if path.suffix in ARCHIVES:
+    if path.suffix in (*ARCHIVES, COMPILED):
         return {path}
     try:
         return {Path(os.path.normpath(name)) for name in mujoco.mju_getXMLDependencies(str(path))}

@@ -10,28 +10,14 @@ import numpy as np
 
 from ..errors import RobotError
 from ..text import listed, shown
-from . import chain
-from .names import UNNAMED
+from . import arms, chain
+from .names import UNNAMED, is_sensor, usual
 
-USUAL_TOOLS = (
-    "attachment_site",
-    "tool",
-    "tcp",
-    "grip_site",
-    "grasp_site",
-    "ee",
-    "eef",
-    "ee_site",
-    "end_effector",
-    "right_center",
-    "right_hand",
-    "hand",
-    "pinch",
-)
-"""Names that authors give to the point that works, the likeliest first."""
-
-FINGER_JOINTS = 3
-"""Most joints of a gripper's finger."""
+SENSORS_AT_SITES = {
+    int(getattr(mujoco.mjtSensor, f"mjSENS_{kind}"))
+    for kind in ("TOUCH", "ACCELEROMETER", "GYRO", "FORCE", "TORQUE", "MAGNETOMETER", "RANGEFINDER")
+}
+"""Kinds of sensors whose sites are no tools."""
 
 
 @dataclass(frozen=True)
@@ -50,97 +36,115 @@ class Tool:
 
 
 def find_tools(
-    model: mujoco.MjModel, given: str | None, path: Path, notes: list[str]
+    model: mujoco.MjModel, given: str | None, arm: str | None, path: Path, notes: list[str]
 ) -> tuple[Tool, ...]:
-    """What could be the tool, first what is."""
-    ends = _ends(model)
+    """What could be the tool, first what is, then what else hangs on the ends of arms.
+
+    Args:
+        model: of the file.
+        given: name of a site or body; None to find it.
+        arm: a word that says which of several arms is meant.
+        path: of the file.
+        notes: get lines of what was found.
+
+    Raises:
+        RobotError: there is no such tool or arm, or none at all.
+    """
+    branches = arms.find(model)
+    if arm is not None:
+        branches = arms.choose(branches, arm, path)
     sites = [model.site(i) for i in range(model.nsite)]
     tools = [Tool(site.name, "site", model.body(int(site.bodyid[0])).name) for site in sites]
-    tools += [Tool(name, "body", name) for name in _names_of_bodies(model)]
-    at_end = [tool for tool in tools if tool.name and model.body(tool.body).id in ends]
-    chosen = (
-        _found(model, at_end, path, notes)
-        if given is None
-        else next((tool for tool in tools if tool.name == given), None)
-    )
-    if chosen is None:
-        raise RobotError(
-            f"{path}: robot.tool = {shown(given)}: no such site or body; its sites are: "
-            f"{listed(site.name for site in sites)}; its bodies: {listed(_names_of_bodies(model))}"
-        )
-    others = [tool for tool in at_end if not tool.name.startswith(UNNAMED)]
+    tools += [Tool(model.body(i).name, "body", model.body(i).name) for i in range(1, model.nbody)]
+    at_ends = [
+        tool
+        for branch in branches
+        for tool in tools
+        if tool.name and model.body(tool.body).id in branch.ends
+    ]
+    if given is None:
+        chosen = _found(model, branches, at_ends, path, notes)
+        worth = [one for one in branches if one is branches[0] or len(one.names) > 1]
+        if len(worth) > 1:
+            notes.append(
+                f"arms: {arms.described(worth)}; the first is taken, robot.arm or robot.tool "
+                "takes another"
+            )
+    else:
+        named = [tool for tool in tools if tool.name == given]
+        if not named:
+            raise RobotError(
+                f"{path}: robot.tool = {shown(given)}: no such site or body; its sites are: "
+                f"{_names(tools, 'site')}; its bodies: {_names(tools, 'body')}"
+            )
+        chosen = named[0]
+    others = [tool for tool in at_ends if not tool.name.startswith(UNNAMED)]
     return tuple(dict.fromkeys((chosen, *others)))
 
 
-def _found(model: mujoco.MjModel, at_end: list[Tool], path: Path, notes: list[str]) -> Tool:
-    """The tool by its usual name, else the deepest body."""
-    if not at_end:
+def _found(
+    model: mujoco.MjModel,
+    branches: list[arms.Branch],
+    at_ends: list[Tool],
+    path: Path,
+    notes: list[str],
+) -> Tool:
+    """The first arm's tool by its usual name, else a site, else the deepest body."""
+    if not branches:
         for j in range(model.njnt):
             if chain.carries_spring(model, j):
                 chain.check(model, chain.joints_to(model, int(model.jnt_bodyid[j])), path)
         raise RobotError(
             f"{path}: no hinge or slide joint moves anything in it; an arm needs at least one"
         )
-    for name in USUAL_TOOLS:
-        for tool in at_end:
-            if tool.name == name:
-                notes.append(f"tool: {tool.kind} {name!r}, found by its usual name")
-                return tool
-    depth = chain.lengths(model)[1]
+    of_sensors = _sites_of_sensors(model)
+    own = [tool for tool in at_ends if model.body(tool.body).id in branches[0].ends]
+    own = [
+        tool
+        for tool in own
+        if not is_sensor(tool.name) and not (tool.kind == "site" and tool.name in of_sensors)
+    ] or own
+    for kind in ("site", "body"):
+        ranked = [
+            (place, tool)
+            for tool in own
+            if tool.kind == kind and (place := usual(tool.name)) is not None
+        ]
+        if ranked:
+            tool = min(ranked, key=lambda pair: pair[0])[1]
+            notes.append(f"tool: {kind} {tool.name!r}, found by its usual name")
+            return tool
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    end = data.xanchor[branches[0].joints[-1]]
+    sites = [tool for tool in own if tool.kind == "site"]
+    named = [tool for tool in sites if not tool.name.startswith(UNNAMED)]
+    if sites:
+        best = max(named or sites, key=lambda tool: np.linalg.norm(data.site(tool.name).xpos - end))
+        why = "the only one" if len(sites) == 1 else "the farthest out"
+        notes.append(f"tool: site {best.name!r}, {why} on the arm's end")
+        return best
     best = max(
-        (tool for tool in at_end if tool.kind == "body"),
-        key=lambda tool: (not tool.name.startswith(UNNAMED), depth[model.body(tool.name).id]),
+        own,
+        key=lambda tool: (
+            not tool.name.startswith(UNNAMED),
+            chain.depth(model, model.body(tool.name).id),
+        ),
     )
     notes.append(f"tool: body {best.name!r}, the deepest of the longest chain of joints")
     return best
 
 
-def _names_of_bodies(model: mujoco.MjModel) -> list[str]:
-    return [model.body(i).name for i in range(1, model.nbody)]
+def _sites_of_sensors(model: mujoco.MjModel) -> set[str]:
+    """Names of the sites at which something is measured, or that a tendon goes through."""
+    measured = [
+        int(model.sensor_objid[i])
+        for i in range(model.nsensor)
+        if int(model.sensor_type[i]) in SENSORS_AT_SITES
+    ]
+    through = model.wrap_objid[model.wrap_type == int(mujoco.mjtWrap.mjWRAP_SITE)].tolist()
+    return {model.site(i).name for i in (*measured, *through)}
 
 
-def _ends(model: mujoco.MjModel) -> set[int]:
-    """Bodies that all joints of the arm move; none without an arm.
-
-    A usual name on the base or on another arm is not the tool: the arm's joints are those of the
-    longest chain without a gripper's.
-    """
-    lengths, _ = chain.lengths(model)
-    cloth = model.flex_vertbodyid
-    lengths[cloth[cloth >= 0]] = 0
-    longest = int(lengths.max())
-    if longest == 0:
-        return set()
-    longest -= _fingers(model, int(lengths.argmax()))
-    return set(np.flatnonzero(lengths == longest).tolist())
-
-
-def _fingers(model: mujoco.MjModel, tip: int) -> int:
-    """How many of the joints that move `tip` are a finger's, past a body where several spread.
-
-    Two arms on a torso spread as well, but with more joints than a finger has.
-    """
-    moved = {int(model.jnt_bodyid[j]) for j in range(model.njnt)}
-    joints, body, found = 0, tip, 0
-    while body > 0 and joints <= FINGER_JOINTS:
-        joints += int(model.body_jntnum[body])
-        body = int(model.body_parentid[body])
-        branches = {_child_towards(model, body, other) for other in moved} - {-1}
-        if (
-            body > 0
-            and len(branches) > 1
-            and 0 < joints <= FINGER_JOINTS
-            and chain.joints_to(model, body)
-        ):
-            found = joints
-    return found
-
-
-def _child_towards(model: mujoco.MjModel, ancestor: int, body: int) -> int:
-    """The child of `ancestor` through which `body` hangs on it, or -1."""
-    while body > 0:
-        parent = int(model.body_parentid[body])
-        if parent == ancestor:
-            return body
-        body = parent
-    return -1
+def _names(tools: list[Tool], kind: str) -> str:
+    return listed(tool.name for tool in tools if tool.kind == kind)

@@ -1,15 +1,28 @@
-"""The visuals of a URDF, which MuJoCo leaves out where the file does not ask for them."""
+"""A URDF with its visuals, and with its packages found where ROS would find them."""
 
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
+import numpy as np
+
+from ..errors import RobotError
+from ..text import listed, shown
 
 READABLE = (".stl", ".obj", ".msh")
 """Endings of meshes that MuJoCo reads."""
+
+IN_PACKAGE = re.compile(r"(?:package|model):/+([^/]+)/(.+)")
+
+_SIX = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+ROS_PATH = "ROS_PACKAGE_PATH"
+"""The environment variable that lists folders of packages."""
 
 
 def is_urdf(path: Path) -> bool:
@@ -17,39 +30,118 @@ def is_urdf(path: Path) -> bool:
     return path.suffix.lower() == ".urdf"
 
 
-def with_visuals(path: Path, without: mujoco.MjSpec) -> mujoco.MjSpec:
-    """A URDF with its visuals, but for those whose mesh is missing or of a kind MuJoCo lacks.
+def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSpec:
+    """A URDF as an editable model with its visuals, which have no mass and touch nothing.
 
-    They have no mass and touch nothing.
+    Visuals whose mesh is missing, and all whose mesh is of a kind that MuJoCo lacks, are left out.
 
     Args:
         path: of the URDF.
-        without: what MuJoCo makes of it, returned where MuJoCo alone can read its XML.
+        packages: folders in which its packages are looked for, before its own and ROS's.
+        notes: get a line of meshes that are left out though bodies could touch them.
+
+    Raises:
+        RobotError: a mesh that bodies can touch is in no package that is found.
     """
     try:
         root = ElementTree.parse(path).getroot()
-    except ElementTree.ParseError:
-        return without
-    settings = root.find("mujoco")
-    if settings is None:
-        settings = ElementTree.SubElement(root, "mujoco")
-    compiler = settings.find("compiler")
-    if compiler is None:
-        compiler = ElementTree.SubElement(settings, "compiler")
+    except ElementTree.ParseError:  # MuJoCo takes what other readers do not, as unbound prefixes
+        return mujoco.MjSpec.from_file(str(path.absolute()))
+    compiler = _child(_child(root, "mujoco"), "compiler")
     compiler.set("discardvisual", "false")
+    folder = path.absolute().parent / compiler.get("meshdir", "")
+    folders: dict[str, list[Path]] = {}
+    untouched = []
+    for link in root.iter("link"):
+        for shape in (*link.findall("visual"), *link.findall("collision")):
+            for mesh in shape.iter("mesh"):
+                given = mesh.get("filename", "")
+                file = _found(given, path, packages, folders)
+                if file is not None:
+                    mesh.set("filename", str(file))
+                elif shape.tag == "collision" and IN_PACKAGE.match(given):
+                    raise RobotError(
+                        f"{path}: mesh {shown(given)}: no such package is found: give the folder "
+                        f"that holds it as robot.packages, or in {ROS_PATH}"
+                    )
+                file = folder / mesh.get("filename", "")
+                readable = file.suffix.lower() in READABLE
+                if shape.tag == "collision" and not readable:
+                    untouched.append(file.name)
+                if not readable or (shape.tag == "visual" and not file.is_file()):
+                    link.remove(shape)
+    made = [str(link.get("name")) for link in root.iter("link") if _made_possible(link)]
+    if made:
+        notes.append(f"no body has such inertias, the nearest possible are taken: {listed(made)}")
+    if untouched:
+        notes.append(
+            f"bodies do not touch where MuJoCo cannot read the mesh: {listed(sorted({*untouched}))}"
+        )
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.modelfiledir = f"{path.absolute().parent}{os.sep}"
-    folder = path.absolute().parent / spec.compiler.meshdir
-    unseen = {
-        mesh.name
-        for mesh in spec.meshes
-        if Path(mesh.file).suffix.lower() not in READABLE or not (folder / mesh.file).is_file()
-    }
-    for geom in spec.geoms:
-        if geom.meshname in unseen and not geom.contype:
-            spec.delete(geom)
-    used = {geom.meshname for geom in spec.geoms}
-    for mesh in spec.meshes:
-        if mesh.name in unseen - used:
-            spec.delete(mesh)
     return spec
+
+
+def _made_possible(link: ElementTree.Element) -> bool:
+    """Whether a link had an inertia that no body can have, and has the nearest possible now."""
+    inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
+    try:
+        kilograms = float("nan" if mass is None else mass.get("value", "nan"))
+        six = [float("nan" if inertia is None else inertia.get(key, "0")) for key in _SIX]
+    except ValueError:  # which MuJoCo says better
+        return False
+    if inertia is None or not kilograms > 0 or not (any(six) and np.isfinite(six).all()):
+        return False
+    xx, xy, xz, yy, yz, zz = six
+    moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    least = 1e-6 * max(moments[2], kilograms * 1e-3)
+    possible = np.maximum(moments, least)
+    possible[:2] += max(0.0, possible[2] - possible[0] - possible[1]) * 0.5000001
+    if (possible <= moments).all():
+        return False
+    whole = axes @ np.diag(possible) @ axes.T
+    for key, value in zip(_SIX, whole[np.triu_indices(3)], strict=True):
+        inertia.set(key, repr(float(value)))
+    return True
+
+
+def _child(parent: ElementTree.Element, tag: str) -> ElementTree.Element:
+    """The first child of a tag, made where there is none."""
+    found = parent.find(tag)
+    return ElementTree.SubElement(parent, tag) if found is None else found
+
+
+def _found(
+    given: str, path: Path, packages: tuple[str, ...], folders: dict[str, list[Path]]
+) -> Path | None:
+    """Where a file is that is named by its package or as an address; None for another name."""
+    if given.startswith("file://"):
+        return Path(given.removeprefix("file://"))
+    named = IN_PACKAGE.match(given)
+    if named is None:
+        return None
+    package, rest = named.groups()
+    if package not in folders:
+        folders[package] = list(_folders(package, path, packages))
+    return next((it / rest for it in folders[package] if (it / rest).is_file()), None)
+
+
+def _folders(package: str, path: Path, packages: tuple[str, ...]) -> Iterator[Path]:
+    """Folders that may be a package, the likeliest first."""
+    own = path.absolute().parents
+    ros = [Path(one) for one in os.environ.get(ROS_PATH, "").split(os.pathsep) if one]
+    for folder in (*map(Path, packages), *own, *ros):
+        if folder.name == package or _name(folder) == package:
+            yield folder
+        yield folder / package
+    for folder in (*map(Path, packages), *ros):
+        yield from folder.glob(f"*/{package}")
+    yield from own  # a package in a folder of another name
+
+
+def _name(folder: Path) -> str | None:
+    """The name that a package in a folder gives itself."""
+    try:
+        return ElementTree.parse(folder / "package.xml").getroot().findtext("name")
+    except (OSError, ElementTree.ParseError):
+        return None

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import ExperimentError
+from ..experiments.sections import Springs
 from ..laws.memory import Memory
 from ..plan.plan import Plan
+from ..springs.fit import LinearSprings, reach
 from ..text import shown
 
 
@@ -25,11 +27,9 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     for name in ("gamma_k", "gamma_qe"):
         memory[name][index] = getattr(law, name) if name in plan.law.adapts else 0.0
     memory["parameters"][index] = law.parameters
-    memory["q_c"][index] = plan.q_c
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
-    memory["low"][index], memory["high"][index] = bounds.equilibrium
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
-    memory["stiffness"][index], memory["offset"][index] = _first_springs(plan)
+    load_springs(memory, index, _first_springs(plan), bounds)
     # A joint that turns by a radian in a time step is beyond any sampled control.
     dt = experiment.simulation.timestep
     memory["before"][index] = robot.position
@@ -41,7 +41,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("difference", chosen.velocity == "difference"),
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
-        ("alpha", law.alpha),
+        ("alpha", chosen.alpha),
         ("alpha_0", law.alpha_0),
         ("timestep", dt),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
@@ -50,28 +50,37 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         memory.scalar(name)[index] = value
 
 
-def _first_springs(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness and offset torque at the start; 0 stands for what is nearest to it and allowed."""
+def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Springs) -> None:
+    """Write the springs that act, and how far from their centre they may go, into the memory."""
+    for name, value in zip(("stiffness", "offset", "q_c"), springs, strict=True):
+        memory[name][index] = value
+    memory["low"][index], memory["high"][index] = reach(bounds, springs.center)
+
+
+def _first_springs(plan: Plan) -> LinearSprings:
+    """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed."""
     bounds, adapts = plan.experiment.springs, plan.law.adapts
     k = np.asarray(bounds.initial_stiffness, float)
     if adapts:
         k = np.where(k == 0.0, np.clip(k, *bounds.stiffness), k)
+    q_c, (low, high) = plan.q_c, reach(bounds, plan.q_c)
     # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
     if adapts == ("gamma_k",):
-        return k, 0.0 * k
-    angle = np.asarray(bounds.initial_equilibrium, float)
-    away = angle - plan.q_c
-    inside = np.clip(away, *bounds.equilibrium)
+        return LinearSprings(k, k * np.clip(0.0, low, high), q_c)
+    given = bounds.initial_equilibrium
+    angle = np.asarray(given, float)
+    away = angle - q_c
+    inside = np.clip(away, low, high)
     outside = (k != 0.0) & (angle != 0.0) & (away != inside)
     if outside.any() and "springs" not in plan.law.told:
         j = int(outside.argmax())
-        low, high = (end + plan.q_c[j] for end in bounds.equilibrium)
+        about = " about law.q_c" if bounds.equilibrium_about == "center" else ""
         raise ExperimentError(
-            f"experiment {plan.experiment.name!r}: springs.initial_equilibrium = "
-            f"{shown(bounds.initial_equilibrium)} is outside the bounds of {plan.robot.joints[j]}, "
-            f"springs.equilibrium about law.q_c: {low:.4g} to {high:.4g}"
+            f"experiment {plan.experiment.name!r}: springs.initial_equilibrium = {shown(given)} is "
+            f"outside the bounds of {plan.robot.joints[j]}, springs.equilibrium{about}: "
+            f"{low[j] + q_c[j]:.4g} to {high[j] + q_c[j]:.4g}"
         )
-    return k, k * np.where(angle == 0.0, inside, away)
+    return LinearSprings(k, k * np.where(angle == 0.0, inside, away), q_c)
 
 
 def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
@@ -97,10 +106,7 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
         memory["q_desired"][index, : len(q)] = q
         memory["dq_desired"][index, : len(q)] = dq
     if "springs" in told:
-        best = plan.optima[segment]
-        memory["q_c"][index] = best.center
-        memory["stiffness"][index] = best.stiffness
-        memory["offset"][index] = best.offset
+        load_springs(memory, index, plan.optima[segment].springs, plan.experiment.springs)
     if "torque" in told:  # of the motors that makes the desired motion with the best springs
         joints = plan.joint_motion(cycle)
         needed = plan.loaded[segment].torque(joints)

@@ -8,10 +8,12 @@ from ..errors import ExperimentError
 from ..laws import controller, learning
 from ..laws.memory import COLUMNS, Memory
 from ..plan.plan import Plan
+from ..results.motions import motions
 from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
-from .loading import load_law, load_motion
+from .ending import ending, hindrances, named
+from .loading import load_law, load_motion, load_springs
 from .recording import Recording
 from .stepper import Stepper
 
@@ -78,14 +80,17 @@ class Member:
         Args:
             wall_s: wall time of the simulation [s].
         """
-        warned = self._stepper.warnings(self._index)
-        notes = (*self.plan.notes, *self._recording.notes(), *warned)
+        data = self._recording.dataset()
+        ended = ending(self.plan, motions(data), self._recording.last)
+        if self.status is Status.OK:
+            self.status, self._message = ended.status, ended.message
+        notes = (*self.plan.notes, *ended.notes, *self._stepper.warnings(self._index))
         return Run(
             experiment=self.plan.experiment,
             status=self.status,
             message=self._message,
             notes=tuple(dict.fromkeys(notes)),
-            data=self._recording.dataset(),
+            data=data,
             steps=self._steps,
             simulation_wall_s=wall_s,
             inputs=self.plan.inputs,
@@ -115,16 +120,15 @@ class Member:
                 q_s=plan.q_s,
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
-            for name, value in zip(_SPRINGS, springs, strict=True):
-                memory[name][index] = value
+            load_springs(memory, index, springs, plan.experiment.springs)
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
 
     def _what_diverged(self, cycle: int, failed: int) -> str:
         """Which joint failed, when, why, and what to try; empty if none did."""
-        plan, law = self.plan, self.plan.experiment.law
+        plan, law, segment = self.plan, self.plan.experiment.law, self.plan.schedule[cycle]
         dt = plan.experiment.simulation.timestep
-        where = f"motion {plan.schedule[cycle] + 1} diverged in cycle {cycle + 1} of the run"
+        where = f"motion {segment + 1} diverged in cycle {cycle + 1} of the run"
         if failed:
             joint = plan.robot.joints[int(self._memory.scalar("failed_joint")[self._index])]
             why = f"{joint} would turn by more than one radian in a time step"
@@ -145,6 +149,11 @@ class Member:
             tries = f"a smaller law.{key} (now {now:g}) or {tries}"
             if plan.gains.lead == 0:
                 tries = f"law.lead = 1, {tries}"
+        before = self._recording.last.get(segment)
+        held = hindrances(plan, segment, before) if before else []
+        if held:
+            why += f"; in the last whole cycle {named(held)}"
+            tries = " or ".join(dict.fromkeys([*(one.cure for one in held), tries]))
         return f"{where}: {why}; try {tries}"
 
 

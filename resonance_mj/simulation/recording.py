@@ -9,11 +9,14 @@ import numpy as np
 import xarray as xr
 
 from ..laws.memory import COLUMNS
+from ..motions.default_motion import reach
+from ..motions.motion import sample
 from ..plan.plan import Plan
 from ..results import metrics, schema
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
+from .ending import LastCycle
 
 POSES = 8
 """Poses of a cycle at which its distance from singular poses is measured."""
@@ -44,8 +47,8 @@ class Recording:
             for name in (*FIGURES, *(f"{name}_per_cycle" for name in LinearSprings._fields))
         }
         self._time = 0.0
-        self._made: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
-        self._at_limit = np.zeros(self._robot.n)
+        self.last: dict[int, LastCycle] = {}
+        """Of each motion, by its number from 0, the last whole cycle."""
         self._lowest = np.inf
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
@@ -106,48 +109,53 @@ class Recording:
             [self._plan.kinematics.jacobian(some) for some in q[:: max(1, steps // POSES)]]
         )
         found["singular_value"].append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
-        low, high = robot.torque_limit.T
-        self._at_limit = ((tau <= low) | (tau >= high)).mean(axis=0)
-        if robot.m < robot.n:
-            acting = LinearSprings(signals["stiffness"], signals["offset"], springs.center)
-            total = tau + acting.torque(q)
-            self._made[int(self._segment[cycle])] = q.copy(), total, springs.center.copy()
+        acting = LinearSprings(signals["stiffness"], signals["offset"], springs.center)
+        total = tau + acting.torque(q)
+        self.last[int(self._segment[cycle])] = LastCycle(
+            q.copy(), tau.copy(), total, springs.center.copy()
+        )
         for name, value in zip(LinearSprings._fields, springs, strict=True):
             found[f"{name}_per_cycle"].append(value.copy())
 
-    def optima(self) -> list[Optimum]:
+    def optima(self, size: np.ndarray) -> list[Optimum]:
         """The optimum of each motion.
 
         Where the task leaves joints free, it does not determine the joint motion: then that of the
-        joint motion that was made in the motion's last whole cycle.
+        joint motion that was made in the motion's last whole cycle, if the tool followed its path.
+
+        Args:
+            size: of the path of each motion [m].
         """
         experiment, found = self._plan.experiment, list(self._plan.optima)
-        for segment, (q, total, center) in self._made.items():
-            period = experiment.motion[segment].period
-            found[segment] = best_springs(
-                q, total, center=center, period=period, bounds=experiment.springs
-            )
+        if self._robot.m < self._robot.n:
+            for segment, (q, _, total, center) in self.last.items():
+                if self._follows(segment, size[segment]):
+                    period = experiment.motion[segment].period
+                    found[segment] = best_springs(
+                        q, total, center=center, period=period, bounds=experiment.springs
+                    )
         return found
 
-    def notes(self) -> list[str]:
-        """What the run showed that its user should know, a line each."""
-        return [
-            f"{joint}'s motor was at its limit for {share:.0%} of the last cycle"
-            for joint, share in zip(self._robot.joints, self._at_limit, strict=True)
-            if share > 0
-        ]
+    def _follows(self, segment: int, size: float) -> bool:
+        """Whether the tool followed its path in the last whole cycle of a motion."""
+        at = np.flatnonzero(self._segment[: len(self._cycles["tracking_rms"])] == segment)[-1]
+        position, rotation = (
+            np.array(self._cycles[name][at : at + 1]) for name in ("tracking_rms", "rotation_rms")
+        )
+        return bool(metrics.tracks(position, size, rotation if rotation.size else None)[0])
 
     def dataset(self) -> xr.Dataset:
         """The run so far, as labelled arrays with units."""
-        plan, robot, optima = self._plan, self._robot, self.optima()
+        plan, robot, size = self._plan, self._robot, _sizes(self._plan)
+        optima = self.optima(size)
         cycles = len(self._cycles["torque_squared"])
-        sizes = {"joint": robot.n, "axis": robot.m}
+        width = {"joint": robot.n, "axis": robot.m}
 
         def joined(name: str, parts: Sequence[np.ndarray | float]) -> np.ndarray:
             """All parts in a row, as a variable has them; there may be none."""
             _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
             values = np.concatenate([np.empty(0), *map(np.ravel, parts)])
-            return values.reshape(-1, *(sizes[dim] for dim in dims))
+            return values.reshape(-1, *(width[dim] for dim in dims))
 
         values = {name: joined(name, parts) for name, parts in self._samples.items()}
         values |= {
@@ -187,6 +195,7 @@ class Recording:
                 "tau_optimal": joined("tau_optimal", best_torque),
                 "torque_reduction": reduced,
                 "torque_share": metrics.share(reduced, optimal[segment]),
+                "size": size,
                 "start": np.concatenate([[0.0], ends[:-1]]),
                 "end": ends,
                 "period": np.array([motion.period for motion in plan.experiment.motion]),
@@ -215,6 +224,15 @@ def _kept(plan: Plan) -> set[int]:
             kept.update(begins, begins + 1)
         first += motion.cycles
     return {int(cycle) for cycle in kept}
+
+
+def _sizes(plan: Plan) -> np.ndarray:
+    """Largest extent of the desired path of each motion; of a point, a hundredth of the reach."""
+    extents = []
+    for index, motion in enumerate(plan.experiment.motion):
+        x = sample(motion, plan.steps(index), plan.robot).x[:, : len(plan.robot.position_axes)]
+        extents.append(float(np.ptp(x, axis=0).max()))
+    return np.array([extent or 0.01 * reach(plan.robot) for extent in extents])
 
 
 def _rms(miss: np.ndarray) -> float:

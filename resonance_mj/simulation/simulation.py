@@ -37,11 +37,13 @@ def simulate(
             some thirty times slower.
         strict: refuse what will diverge, where it would be a note else.
         progress: called after each cycle with the cycles done and the cycles in all.
-        note: called before the first step with each thing that was found, changed or is doubtful;
-            they stand in `Run.notes` too.
+        note: called before the first step with each thing that was found, changed or is doubtful,
+            and after the last with what the run showed; they stand in `Run.notes` too.
 
     Returns:
-        The run. One that diverges stops there, with status DIVERGED and what was recorded.
+        The run. One that diverges stops there, with status DIVERGED and what was recorded; one
+        whose tool does not follow its path at the end has status NOT_TRACKING, one that touches
+        something on its way IN_CONTACT.
 
     Raises:
         RobotError: the robot cannot be loaded.
@@ -53,10 +55,13 @@ def simulate(
     plan = plan_for(experiment)
     if strict:
         plan.refuse_unstable()
+    note = note or (lambda line: None)
     for line in plan.notes:
-        if note is not None:
-            note(line)
-    return simulate_plans([plan], Alone, interpret=interpret, progress=progress)[0]
+        note(line)
+    run = simulate_plans([plan], Alone, interpret=interpret, progress=progress)[0]
+    for line in run.notes[len(plan.notes) :]:
+        note(line)
+    return run
 
 
 def simulate_many(

@@ -8,23 +8,12 @@ who exerts it: the transfer law, the optimum and the certificates all ask the sa
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
+from ..experiments.sections import Springs
 from . import spring
-
-
-class Bounds(Protocol):
-    """What springs may be."""
-
-    @property
-    def stiffness(self) -> tuple[float, float]:
-        """Least and greatest k [N m/rad]."""
-
-    @property
-    def equilibrium(self) -> tuple[float, float]:
-        """Least and greatest q_e - q_c [rad]; infinite for none."""
 
 
 class LinearSprings(NamedTuple):
@@ -47,19 +36,26 @@ class LinearSprings(NamedTuple):
         return LinearSprings(self.stiffness, offset, center)
 
 
-def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -> LinearSprings:
+def fit(q: np.ndarray, torque: np.ndarray, bounds: Springs, center: np.ndarray) -> LinearSprings:
     """The feasible constant springs that leave the least ∫(τ - τ_s)ᵀ(τ - τ_s) dt of a torque τ.
 
     Args:
         q: joint angles over a cycle, equally spaced in time (N, n) [rad].
         torque: torque along it, of motor and spring together (N, n) [N m].
-        bounds: of the stiffness, and of the equilibrium angle about `center`.
+        bounds: of the stiffness and of the equilibrium angle.
         center: q_c, about which the offset torque is given (n,) [rad].
 
     Note:
         A joint that stands still gets no stiffness: torque over angle is arbitrary there.
     """
     return feasible(asked_for(q, torque), q, bounds, center)
+
+
+def reach(bounds: Springs, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest q_e - q_c of springs about a center q_c (n,): (n,), (n,) [rad]."""
+    low, high = bounds.equilibrium
+    origin = center if bounds.equilibrium_about == "zero" else np.zeros_like(center)
+    return low - origin, high - origin
 
 
 def asked_for(q: np.ndarray, torque: np.ndarray) -> LinearSprings:
@@ -72,9 +68,9 @@ def asked_for(q: np.ndarray, torque: np.ndarray) -> LinearSprings:
 
 
 def feasible(
-    wanted: LinearSprings, q: np.ndarray, bounds: Bounds, center: np.ndarray
+    wanted: LinearSprings, q: np.ndarray, bounds: Springs, center: np.ndarray
 ) -> LinearSprings:
-    """The feasible springs nearest to others in the metric of the cost; arguments as in `fit`.
+    """The feasible springs nearest to `wanted` in the metric of the cost; arguments as in `fit`.
 
     Args:
         wanted: about the mean angle, where stiffness and offset do not interact in the cost.
@@ -83,15 +79,10 @@ def feasible(
         center: q_c.
     """
     mean = wanted.center
+    low, high = (end - (mean - center) for end in reach(bounds, center))
     variance = ((q - mean) ** 2).mean(axis=0)
-    shift = mean - center
-    low, high = bounds.equilibrium
-    k, b = np.empty_like(mean), np.empty_like(mean)
-    for j in range(len(mean)):
-        reach = low - shift[j], high - shift[j]
-        k[j], b[j] = spring.nearest(
-            wanted.stiffness[j], wanted.offset[j], *bounds.stiffness, *reach, variance[j]
-        )
+    each = zip(wanted.stiffness, wanted.offset, low, high, variance, strict=True)
+    k, b = np.transpose([spring.nearest(k, b, *bounds.stiffness, *more) for k, b, *more in each])
     return LinearSprings(k, b, mean).about(center)
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .fit import Bounds, LinearSprings, fit
+from ..experiments.sections import Springs
+from .fit import LinearSprings, fit
 from .spring import equilibrium_angles
 
 
@@ -51,12 +52,12 @@ class Optimum:
     @property
     def cost(self) -> float:
         """J_min, the integral of τᵀτ over a cycle [N² m² s]."""
-        return self._integral(self.torque)
+        return float((self.torque**2).sum() * (self.period / len(self.q)))
 
     @property
     def cost_without_springs(self) -> float:
         """The same integral for K = 0 [N² m² s]."""
-        return self._integral(self.torque_without_springs)
+        return float((self.torque_without_springs**2).sum() * (self.period / len(self.q)))
 
     @property
     def torque_squared(self) -> float:
@@ -73,12 +74,9 @@ class Optimum:
         """1 - J_min / J(0, 0); NaN for a motion that needs no torque."""
         return 1.0 - self.cost / self.cost_without_springs if self.cost_without_springs else np.nan
 
-    def _integral(self, torque: np.ndarray) -> float:
-        return float((torque**2).sum() * (self.period / len(torque)))
-
 
 def best_springs(
-    q: np.ndarray, torque: np.ndarray, *, center: np.ndarray, period: float, bounds: Bounds
+    q: np.ndarray, torque: np.ndarray, *, center: np.ndarray, period: float, bounds: Springs
 ) -> Optimum:
     """The constant springs that minimise (3) for a joint motion and the torque that it needs.
 
@@ -87,7 +85,7 @@ def best_springs(
         torque: torque that the motion needs, of motor and spring together (N, n) [N m].
         center: q_c, about which the offset torque is given (n,) [rad].
         period: cycle time [s].
-        bounds: of the springs, about `center`.
+        bounds: of the springs.
     """
     best = fit(q, torque, bounds, center)
     return Optimum(best, period, q, torque - best.torque(q), torque)

@@ -6,7 +6,6 @@ and its best springs, comes from inverse kinematics and inverse dynamics.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -26,6 +25,7 @@ from .claims import (
     PASSIVE,
     Certificate,
     Certificates,
+    judged,
     left_over,
     unknown,
 )
@@ -54,21 +54,15 @@ def certify(run: Run) -> Certificates:
         MotionError: the arm cannot follow the motion: likewise.
     """
     plan, cycles = run.plan, kept(run)
-    of_motion = [
-        [cycle for cycle in cycles if cycle.motion == index and not cycle.passage]
-        for index in range(len(plan.joints))
-    ]
-    best: Sequence[Optimum | None]
-    if plan.robot.m == plan.robot.n:
-        best = plan.optima
+    square = plan.robot.m == plan.robot.n
+    if square:
         _check_robot(run, plan)
-    else:
-        best = [_of_motion_made(run, mine) for mine in of_motion]
     items: list[Certificate] = []
-    for number, (mine, optimum) in enumerate(zip(of_motion, best, strict=True), start=1):
-        items += _handovers(number, _pairs(mine, cycles), plan)
-        items.append(_optimum(number, optimum, plan))
-        items += _energies(number, mine, optimum, plan)
+    for index in range(len(plan.joints)):
+        mine = [cycle for cycle in cycles if cycle.motion == index and not cycle.passage]
+        best = plan.optima[index] if square else _of_motion_made(run, mine)
+        items += _handovers(index + 1, _pairs(mine, cycles), plan)
+        items += _of_optimum(index + 1, mine, best, plan)
     return Certificates(
         name=plan.experiment.name,
         items=tuple(items),
@@ -113,48 +107,42 @@ def _pairs(mine: list[Cycle], cycles: list[Cycle]) -> list[tuple[Cycle, Cycle]]:
 
 def _handovers(motion: int, pairs: list[tuple[Cycle, Cycle]], plan: Plan) -> list[Certificate]:
     """(9) and (11), from each cycle to the next."""
-    kind, bounds = plan.experiment.law.kind, plan.experiment.springs
+    kind = plan.experiment.law.kind
     claims = OF_A_CYCLE.get(kind, OF_A_CYCLE["paper"])
-    if kind not in HANDOVERS:
-        return [unknown(motion, claim, _no_proof(kind)) for claim in claims]
-    if not pairs:
-        why = "no two cycles in a row were kept"
+    if kind not in HANDOVERS or not pairs:
+        why = NO_PAIRS if kind in HANDOVERS else _no_proof(kind)
         return [unknown(motion, claim, why) for claim in claims]
     cycles = np.array([now.number for now, _ in pairs])
-    left = np.array([HANDOVERS[kind](*pair, plan.gains, plan.q_s, bounds) for pair in pairs])
+    left = np.array([HANDOVERS[kind](*pair, plan) for pair in pairs])
     return [
         left_over(motion, claim, cycles, left[:, part], plan.robot.joints)
         for part, claim in enumerate(claims)
     ]
 
 
-def _optimum(motion: int, best: Optimum | None, plan: Plan) -> Certificate:
-    """(12)."""
-    if best is None:
-        return unknown(motion, OPTIMAL, NO_MOTION)
-    left = optimal(best, plan.experiment.springs)[None]
-    return left_over(motion, OPTIMAL, np.zeros(0, int), left, plan.robot.joints)
-
-
-def _energies(
+def _of_optimum(
     motion: int, mine: list[Cycle], best: Optimum | None, plan: Plan
 ) -> list[Certificate]:
-    """(15) and (22)."""
-    why, kind, chosen = "", plan.experiment.law.kind, plan.gains
+    """(12), (15) and (22)."""
+    kind, chosen = plan.experiment.law.kind, plan.gains
+    why = ""
     if kind not in HANDOVERS:
         why = _no_proof(kind)
     elif chosen.jacobian == "transpose":
         why = "there is no proof with Jᵀ in (8)"
     elif np.linalg.matrix_rank(chosen.learning) < plan.robot.n:
         why = "the learning gain is 0"
-    elif best is None:
-        why = NO_MOTION
-    elif len(mine) < 2:
+    elif best is not None and len(mine) < 2:
         why = "no two cycles were kept"
-    if why or best is None:
-        return [unknown(motion, claim, why) for claim in (PASSIVE, FALLING)]
+    rest = [unknown(motion, claim, why or NO_MOTION) for claim in (PASSIVE, FALLING)]
+    if best is None:
+        return [unknown(motion, OPTIMAL, NO_MOTION), *rest]
+    left = optimal(best, plan.experiment.springs)[None]
+    twelve = left_over(motion, OPTIMAL, np.zeros(0, int), left, plan.robot.joints)
+    if why:
+        return [twelve, *rest]
     rows = [balance(cycle, best, plan) for cycle in mine]
-    return [_passivity(motion, rows), _decrease(motion, rows)]
+    return [twelve, _passivity(motion, rows), _decrease(motion, rows)]
 
 
 def _passivity(motion: int, rows: list[Balance]) -> Certificate:
@@ -167,39 +155,24 @@ def _passivity(motion: int, rows: list[Balance]) -> Certificate:
     least = FLOOR * rows[0].N
     c_7 = {number: a / b for number, (a, b) in spent.items() if not 2 * abs(a) <= least}
     if not c_7:
-        return unknown(motion, PASSIVE, "no two cycles in a row were kept, or N is at its floor")
+        return unknown(motion, PASSIVE, f"{NO_PAIRS}, or N is at its floor")
     cycles, values = np.array(list(c_7)), np.array(list(c_7.values()))
-    worst = int(np.argmin(values))
-    return Certificate(
-        motion=motion,
-        claim=PASSIVE,
-        cycles=cycles,
-        values=values,
-        fails=~(values > 0),
-        worst=float(values[worst]),
-        where=str(cycles[worst]),
-    )
+    return judged(motion, PASSIVE, cycles, values, ~(values > 0), -values)
 
 
 def _decrease(motion: int, rows: list[Balance]) -> Certificate:
     """(22): N of each cycle; a cycle fails if N of the next that was kept is larger."""
-    N = np.array([row.N for row in rows])
+    cycles, N = np.array([row.number for row in rows]), np.array([row.N for row in rows])
     change = np.append(np.diff(N), 0.0)
-    judged = ~(np.abs(change) <= FLOOR * N[0])
-    found = Certificate(
-        motion=motion,
-        claim=FALLING,
-        cycles=np.array([row.number for row in rows]),
-        values=N,
-        fails=judged & ~(change <= 0),
-    )
-    if not judged.any():
-        return replace(found, note="N is at its floor")
-    ratio = np.where(judged, 1 + change / N, -np.inf)
-    worst = int(np.argmax(ratio))
-    return replace(found, worst=float(ratio[worst]), where=str(found.cycles[worst]))
+    counts = ~(np.abs(change) <= FLOOR * N[0])
+    fails = counts & ~(change <= 0)
+    if not counts.any():
+        return Certificate(motion, FALLING, cycles, N, fails, note="N is at its floor")
+    ratio = np.where(counts, 1 + change / N, -np.inf)
+    return replace(judged(motion, FALLING, cycles, N, fails, ratio), worst=float(ratio.max()))
 
 
+NO_PAIRS = "no two cycles in a row were kept"
 NO_MOTION = "the task leaves joints free, and no last motion was made to compare with"
 
 

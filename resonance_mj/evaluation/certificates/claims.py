@@ -97,21 +97,27 @@ class Certificates:
         return [item for item in self.items if item.claim.equation == equation]
 
 
+def judged(
+    motion: int,
+    claim: Claim,
+    cycles: np.ndarray,
+    values: np.ndarray,
+    fails: np.ndarray,
+    bad: np.ndarray,
+    joints: tuple[str, ...] = (),
+) -> Certificate:
+    """A certificate whose worst value is where `bad`, (C,) or (C, n), is largest."""
+    row, *joint = at = np.unravel_index(np.argmax(bad), bad.shape)
+    where = [str(number) for number in cycles[row : row + 1]] + [joints[j] for j in joint]
+    worst = float(values[at])
+    return Certificate(motion, claim, cycles, values, fails, worst, ", ".join(where))
+
+
 def left_over(
     motion: int, claim: Claim, cycles: np.ndarray, left: np.ndarray, joints: tuple[str, ...]
 ) -> Certificate:
     """A certificate on what is left over of a torque, (C, n), or (1, n) without cycles."""
-    row, joint = np.unravel_index(np.argmax(left), left.shape)
-    cycle = [str(cycles[row])] if cycles.size else []
-    return Certificate(
-        motion=motion,
-        claim=claim,
-        cycles=cycles,
-        values=left,
-        fails=np.any(~(left <= ROUNDING), axis=1),
-        worst=float(left[row, joint]),
-        where=", ".join([*cycle, joints[joint]]),
-    )
+    return judged(motion, claim, cycles, left, np.any(~(left <= ROUNDING), axis=1), left, joints)
 
 
 def unknown(motion: int, claim: Claim, why: str) -> Certificate:

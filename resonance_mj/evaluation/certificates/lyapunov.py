@@ -60,7 +60,7 @@ def balance(cycle: Cycle, best: Optimum, plan: Plan) -> Balance:
         cycle.y[0],
         plan.kinematics.inertia(cycle.q[0]),
         cycle.x[0] - cycle.x_desired[0],
-        gains.k_p + law.alpha * gains.k_v,
+        gains.k_p + gains.alpha * gains.k_v,
     )
     stored = float((du * np.linalg.solve(gains.learning, du.T).T).sum() * dt)
     return Balance(

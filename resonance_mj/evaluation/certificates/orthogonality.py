@@ -8,36 +8,29 @@ import numpy as np
 
 from ...experiments.sections import Springs
 from ...laws import learning
-from ...laws.gains import Gains
+from ...plan.plan import Plan
 from ...results.cycles import Cycle
 from ...springs.fit import LinearSprings, asked_for, feasible
 from ...springs.optimum import Optimum
 
-Handover = Callable[[Cycle, Cycle, Gains, np.ndarray, Springs], tuple[np.ndarray, np.ndarray]]
-"""What (9) and (11) leave over (n,), (n,) from a cycle to the next, with the gains, q_s, bounds."""
+Handover = Callable[[Cycle, Cycle, Plan], tuple[np.ndarray, np.ndarray]]
+"""What (9) and (11) leave over (n,), (n,) from a cycle to the next."""
 
 
-def printed(
-    now: Cycle, then: Cycle, gains: Gains, q_s: np.ndarray, bounds: Springs
-) -> tuple[np.ndarray, np.ndarray]:
+def printed(now: Cycle, then: Cycle, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     """The law as printed. (9): u(t+T) is u - β y but for a multiple of q̄. (11): u(t+T) ⟂ q̄."""
-    v = now.u - learning.corrected(now.y, gains.learning, gains.lead)
-    v = learning.low_pass(v, gains.harmonics)
-    q_bar = now.q - q_s
+    v, q_bar = _learned(now, plan), now.q - plan.q_s
     dropped = v - then.u
     return share(dropped - _along(dropped, q_bar), v), share(_along(then.u, q_bar), v)
 
 
-def transferred(
-    now: Cycle, then: Cycle, gains: Gains, q_s: np.ndarray, bounds: Springs
-) -> tuple[np.ndarray, np.ndarray]:
+def transferred(now: Cycle, then: Cycle, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     """The transfer law. (9): motor and spring go on as before. (11): the spring takes no more."""
-    v = now.u - learning.corrected(now.y, gains.learning, gains.lead)
-    v = learning.low_pass(v, gains.harmonics)
+    v = _learned(now, plan)
     begins = LinearSprings(then.stiffness[0], then.offset[0], then.center)
     before = v + LinearSprings(now.last_stiffness, now.last_offset, now.center).torque(now.q)
     after = then.u + begins.torque(now.q)
-    left = untaken(then.u, now.q, begins, bounds)
+    left = untaken(then.u, now.q, begins, plan.experiment.springs)
     return share(after - before, before), share(left, v)
 
 
@@ -60,7 +53,7 @@ def untaken(
         torque: of the motors over a cycle (N, n) [N m].
         q: joint angles over it (N, n) [rad].
         acting: the springs that act meanwhile.
-        bounds: of the springs, about the centre of `acting`.
+        bounds: of the springs.
 
     Returns:
         Torque (N, n) [N m].
@@ -77,6 +70,12 @@ def share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
     """Root mean square of a part over that of the whole (n,); no part of nothing is 0."""
     size, of = (np.sqrt((signal**2).mean(axis=0)) for signal in (part, whole))
     return np.divide(size, of, out=np.where(size > 0, np.inf, 0.0), where=of > 0)
+
+
+def _learned(cycle: Cycle, plan: Plan) -> np.ndarray:
+    """What a cycle teaches, u - β y, with the harmonics that the law keeps."""
+    v = cycle.u - learning.corrected(cycle.y, plan.gains.learning, plan.gains.lead)
+    return learning.low_pass(v, plan.gains.harmonics)
 
 
 def _along(torque: np.ndarray, q_bar: np.ndarray) -> np.ndarray:

@@ -88,11 +88,12 @@ def judge(run: Run) -> list[Judgement]:
 
 
 def _status(run: Run, key: str, motion: int, expected: Status) -> Judgement:
-    """The status of the run, or of a motion: ok if all its cycles were simulated."""
-    whole = motion and (
-        len(run.motions[motion - 1].cycles) == run.experiment.motion[motion - 1].cycles
-    )
-    found = Status.OK if whole else run.status
+    """The status of the run, or of a motion: ok if it was simulated whole and the tool follows."""
+    found = run.status
+    if motion:
+        made = run.motions[motion - 1]
+        whole = len(made.cycles) == run.experiment.motion[motion - 1].cycles
+        found = Status.OK if whole and made.tracks[-1] else run.status
     words = Band(str(expected), False, math.nan, math.nan)
     return Judgement(key, motion, "status", "", "", words, str(found), np.empty(0))
 

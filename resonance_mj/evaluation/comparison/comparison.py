@@ -27,10 +27,7 @@ SHORTEST = 20
 STEADY = 0.05
 """Relative spread of torque² over the second half of a long run up to which it counts as held."""
 
-
-OF_SUMMARY = (
-    "torque_reduction", "torque_reduction_optimal", "cycles_to_optimum", "tracking_rms"
-)  # fmt: skip
+OF_SUMMARY = ("torque_reduction", "torque_reduction_optimal", "cycles_to_optimum", "tracking_rms")
 """What a row has of a run's summary."""
 
 
@@ -83,9 +80,9 @@ class Comparison:
         and for a share of nothing.
         """
         return [
-            finite({"law": name, "title": title, **figures})
-            for name, title in self.titles.items()
-            for figures in self._of(name)
+            finite(self._row(name, motion))
+            for name in self.titles
+            for motion in self.runs[name].motions
         ]
 
     def verdict(self, name: str) -> Verdict | None:
@@ -96,7 +93,10 @@ class Comparison:
         motion = run.motions[-1]
         if run.status is Status.DIVERGED:
             before = sum(one.cycles for one in run.experiment.motion[:-1])
-            return Verdict(max(0, _ended_in(run) - before), np.inf, np.inf)
+            whole, of = run.data.sizes["cycle"], run.data["cycle_of_sample"].values
+            # In the last whole cycle, or in the one that follows.
+            ended = whole if len(of) and of[-1] <= whole else whole + 1
+            return Verdict(max(0, ended - before), np.inf, np.inf)
         if not motion.torque_squared_optimal > 0:
             return Verdict(None, np.nan, np.nan)
         second = motion.torque_squared[len(motion.cycles) // 2 :] / motion.torque_squared_optimal
@@ -130,22 +130,19 @@ class Comparison:
             table.writerows(rows)
         return folder
 
-    def _of(self, name: str) -> list[dict[str, Any]]:
-        run, verdict = self.runs[name], self.verdict(name)
-        found = []
-        for motion in run.motions:
-            share, last = motion.torque_share, motion is run.motions[-1]
-            found.append(
-                {
-                    "motion": motion.number,
-                    "share": share[-1].item() if len(share) else None,
-                    **{key: motion.summary()[key] for key in OF_SUMMARY},
-                    **_effort(run, motion),
-                    "status": str(run.status),
-                    "long_run": str(verdict) if verdict and last else None,
-                }
-            )
-        return found
+    def _row(self, name: str, motion: MotionOfRun) -> dict[str, Any]:
+        run, share = self.runs[name], motion.torque_share
+        verdict = self.verdict(name) if motion.number == len(run.motions) else None
+        return {
+            "law": name,
+            "title": self.titles[name],
+            "motion": motion.number,
+            "share": share[-1].item() if len(share) else None,
+            **{key: motion.summary()[key] for key in OF_SUMMARY},
+            **_effort(run, motion),
+            "status": str(run.status),
+            "long_run": str(verdict) if verdict else None,
+        }
 
 
 def compare(
@@ -175,22 +172,18 @@ def compare(
             f"long = {long}: 0 for no long run, or at least {SHORTEST} cycles of the last motion"
         )
     laws, each = zip(*contending(experiment), strict=True)
-    names = [law.name for law in laws]
-    lasting = [_lengthened(one, long) for one in each] if long else []
-    runs = simulate_many([*each, *lasting], threads=threads, progress=progress)
+    last, names = len(experiment.motion) - 1, [law.name for law in laws]
+    lasting = {
+        f"motion.{last}.duration": long * experiment.motion[last].period,
+        "simulation.samples": 1,
+    }
+    longer = [one.replace(lasting) for one in each] if long else []
+    runs = simulate_many([*each, *longer], threads=threads, progress=progress)
     return Comparison(
         experiment=experiment,
         titles={law.name: law.title for law in laws},
         runs=dict(zip(names, runs[: len(each)], strict=True)),
         long=dict(zip(names, runs[len(each) :], strict=False)),
-    )
-
-
-def _lengthened(experiment: Experiment, cycles: int) -> Experiment:
-    """With the last motion repeated so often, and few samples kept."""
-    index, motion = len(experiment.motion) - 1, experiment.motion[-1]
-    return experiment.replace(
-        {f"motion.{index}.duration": cycles * motion.period, "simulation.samples": 1}
     )
 
 
@@ -206,9 +199,3 @@ def _effort(run: Run, motion: MotionOfRun) -> dict[str, float | None]:
         "peak_torque": float(np.abs(last["tau"].values).max()),
         "energy": float(power.sum() * run.experiment.simulation.timestep),
     }
-
-
-def _ended_in(run: Run) -> int:
-    """The cycle in which a run ended, counted from 1: the last whole one, or one more."""
-    whole, of = run.data.sizes["cycle"], run.data["cycle_of_sample"].values
-    return whole if len(of) and of[-1] <= whole else whole + 1

@@ -30,44 +30,28 @@ class Contender(NamedTuple):
 
 NO_SPRINGS: Changes = {"springs.initial_stiffness": 0.0, "springs.initial_equilibrium": 0.0}
 FOUND: Changes = {"law.lead": None, "law.harmonics": None}
-PRINTED: Changes = {"law.lead": 0, "law.harmonics": None, "law.jacobian": None}
+PRINTED: Changes = {
+    "law.kind": "paper", "law.lead": 0, "law.harmonics": None, "law.jacobian": None
+}  # fmt: skip
+JOINT_SPACE: Changes = {
+    "law.kind": "joint-space",
+    "law.q_c": "mean",
+    "law.q_s": "mean",
+    "springs.initial_equilibrium": 0.0,
+}
+TRANSFER: Changes = {
+    "law.kind": "transfer", "law.lead": 2, "law.gamma_k": 0.0, "law.gamma_qe": 0.0
+}  # fmt: skip
 
 CONTENDERS = (
     Contender("feedback", "feedback only", {"law.kind": "feedback", **NO_SPRINGS}),
     Contender("learning", "learning only", {"law.kind": "learning", **NO_SPRINGS, **FOUND}),
     Contender("fixed", "optimal springs", {"law.kind": "fixed", **FOUND}),
-    Contender(
-        "joint-space",
-        "joint space",
-        {
-            "law.kind": "joint-space",
-            **PRINTED,
-            "law.q_c": "mean",
-            "law.q_s": "mean",
-            "springs.initial_equilibrium": 0.0,
-        },
-    ),
-    Contender("printed", "as printed", {"law.kind": "paper", **PRINTED}),
-    Contender(
-        "printed-transpose",
-        "as printed, Jᵀ",
-        {"law.kind": "paper", **PRINTED, "law.jacobian": "transpose"},
-    ),
-    Contender(
-        "printed-lead", "as printed, lead 1", {"law.kind": "paper", **PRINTED, "law.lead": 1}
-    ),
-    Contender(
-        "transfer",
-        "transfer",
-        {
-            "law.kind": "transfer",
-            "law.jacobian": None,
-            "law.lead": 2,
-            "law.harmonics": None,
-            "law.gamma_k": 0.0,
-            "law.gamma_qe": 0.0,
-        },
-    ),
+    Contender("joint-space", "joint space", PRINTED | JOINT_SPACE),
+    Contender("printed", "as printed", PRINTED),
+    Contender("printed-transpose", "as printed, Jᵀ", PRINTED | {"law.jacobian": "transpose"}),
+    Contender("printed-lead", "as printed, lead 1", PRINTED | {"law.lead": 1}),
+    Contender("transfer", "transfer", PRINTED | TRANSFER),
     Contender("computed-torque", "computed torque", {"law.kind": "computed-torque"}),
 )
 """What is compared, from the law that knows least to the one that knows all."""

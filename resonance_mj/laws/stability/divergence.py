@@ -100,33 +100,24 @@ def _of_motion(
     if margin >= 1:
         return None
     limit = best.torque_squared_without_springs
-    begins = onset.Beginning(
-        sampled_loop.SampledLoop(*(part[:1] for part in arm)),
-        gains.learning,
-        best.torque_without_springs,
-        lead=lead,
-        kept=kept,
-        jump=jump,
-    )
+    begins = onset.Beginning(arm, gains, best.torque_without_springs, jump)
     beginning = onset.at_the_beginning(limit, begins)
-    grows = [beginning, onset.elsewhere(loop, lead=lead)]
+    grows = [beginning, onset.elsewhere(loop, lead)]
     harmonics = loop.most_harmonics(lead)
     # At most what it would be if the poses were held: the eigenvalues take time.
     most = float(loop.multiplier(lead)[:, loop.low].max()) - 1
     if most > (beginning.growth if beginning else 0):
-        low = onset.of_low_harmonics(limit, loop, begins, lead=lead, kept=kept, first=harmonics + 1)
-        grows.append(low)
-    with_lead, lead_margin = LEADS[0], 0.0
+        grows.append(onset.of_low_harmonics(limit, loop, begins, first=harmonics + 1))
+    margins: dict[int, float] = {}
     for other in LEADS:
-        found = loop.margin(other, kept)
-        if found > lead_margin:
-            with_lead, lead_margin = other, found
-        if found >= 1:
+        margins[other] = loop.margin(other, kept)
+        if margins[other] >= 1:
             break
+    with_lead = max(margins, key=margins.__getitem__)
     return Divergence(
         onset=min((one for one in grows if one), key=lambda one: one.cycle),
         lead=with_lead,
-        lead_margin=lead_margin,
+        lead_margin=margins[with_lead],
         harmonics=harmonics,
         margin=margin,
     )

@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..gains import Gains
 from .sampled_loop import SampledLoop
-from .stability import GROWTH, GROWTH_LOW, LearningLoop, ahead, low_harmonics, on_circle
+from .stability import GROWTH, GROWTH_LOW, LearningLoop, ahead, low_harmonics, on_circle, two_sided
 
 SETTLED = 16
 """Cycles after which the beginnings of the cycles leave nothing new that counts."""
@@ -58,35 +59,27 @@ class Beginning:
     x̄(U) the periodic state under U.
 
     Args:
-        loop: the arm at this pose, P = 1.
-        learning: β (n, n) [N m s/rad].
+        arm: at poses of the motion, first that at which a cycle begins.
+        gains: of the law: β, δ, and the harmonics that the learned torque keeps.
         torque: τ_d (N, n) [N m].
-        lead: δ [control periods].
-        kept: harmonics that the learned torque keeps; None for all.
         jump: (Δq, Δq̇) when the first cycle begins (2n,); None for a smooth passage.
     """
 
     def __init__(
-        self,
-        loop: SampledLoop,
-        learning: np.ndarray,
-        torque: np.ndarray,
-        *,
-        lead: int,
-        kept: int | None,
-        jump: np.ndarray | None,
+        self, arm: SampledLoop, gains: Gains, torque: np.ndarray, jump: np.ndarray | None
     ) -> None:
-        self.steps, n = torque.shape
-        last = self.steps // 2 if kept is None else min(kept, self.steps // 2)
-        self.harmonics = h = np.arange(last + 1)
+        self.gains, (self.steps, n) = gains, torque.shape
+        half = self.steps // 2
+        last = half if gains.harmonics is None else min(gains.harmonics, half)
+        h = np.arange(last + 1)
         z = on_circle(h, self.steps)[:, None, None]
-        A, B, C, F = (part[0] for part in loop)
+        A, B, C, F = (part[0] for part in arm)
         resolvent = np.linalg.inv(z * np.eye(len(A)) - A)
         self._state = resolvent @ B
         # There are harmonics h and -h of a real signal; one of the mean and of half the sampling.
         self._both = np.where((h == 0) | (2 * h == self.steps), 1.0, 2.0)[:, None]
         self._motors = np.eye(n) - F @ self._state
-        gain = ahead(h, lead, self.steps)[:, None, None] * learning
+        gain = ahead(h, gains.lead, self.steps)[:, None, None] * gains.learning
         self.P = np.eye(n) - gain @ C @ self._state
         self._transient = gain @ (z * (C @ resolvent)) / self.steps
         self.needed = np.fft.rfft(torque, axis=0)[: last + 1] / self.steps
@@ -130,25 +123,17 @@ def at_the_beginning(limit: float, begins: Beginning) -> Onset | None:
 
 
 def of_low_harmonics(
-    limit: float,
-    loop: LearningLoop,
-    begins: Beginning,
-    *,
-    lead: int,
-    kept: int | None,
-    first: int,
+    limit: float, loop: LearningLoop, begins: Beginning, first: int
 ) -> Onset | None:
-    """What grows of the low harmonics together, until its mean square passes a limit.
+    """What grows of the low harmonics together, until its mean square passes a limit [N² m²].
 
     Args:
         limit: [N² m²].
         loop: the loop of learning along the cycle.
         begins: gives what is there to grow: τ_d, and what the first cycle teaches beside it.
-        lead: δ [control periods].
-        kept: harmonics that the learned torque keeps; None for all.
         first: the lowest that grows.
     """
-    coupled = loop.coupled(lead, kept)
+    coupled = loop.coupled(begins.gains.lead, begins.gains.harmonics)
     P = np.eye(len(coupled)) - coupled
     values, vectors = np.linalg.eig(P)
     growth = np.abs(values) - 1
@@ -156,23 +141,24 @@ def of_low_harmonics(
     if not grows.any():
         return None
     n = begins.needed.shape[1]
-    low = (len(P) // n + 1) // 2
+    low = len(P) // n // 2
     _, second = islice(begins.learned(), 2)
     beside = second - begins.needed + _times(begins.P, begins.needed)
-    left = _as_real(beside[:low]) - P @ _as_real(begins.needed[:low])
+    beside, needed = (two_sided(U[: low + 1]).ravel() for U in (beside, begins.needed))
+    left = beside - P @ needed
     share = np.linalg.solve(vectors, left)[grows, None]
     shapes = vectors[:, grows]
 
     def below(share: np.ndarray) -> bool:
         return float((np.abs(shapes @ share) ** 2).sum()) <= limit
 
-    fastest = int(np.abs(vectors[:, growth.argmax()]).argmax()) // n
-    fastest = fastest if fastest < low else fastest - low + 1
+    power = (np.abs(vectors[:, growth.argmax()].reshape(-1, n)) ** 2).sum(axis=1)
+    fastest = int(np.bincount(np.abs(np.arange(-low, low + 1)), power).argmax())
     more = _times_until(below, values[grows, None, None], share)
     return Onset(first, fastest, float(growth.max()), 2 + more)
 
 
-def elsewhere(loop: LearningLoop, *, lead: int) -> Onset | None:
+def elsewhere(loop: LearningLoop, lead: int) -> Onset | None:
     """What grows from rounding errors, above the low harmonics, at any pose of the cycle."""
     growth = loop.multiplier(lead).max(axis=0) - 1
     growth[loop.low] = 0
@@ -198,11 +184,6 @@ def _times_until(below: Callable[[np.ndarray], bool], P: np.ndarray, U: np.ndarr
             if below(further):
                 U, count = further, count + 2**exponent
     return count + 1.0
-
-
-def _as_real(U: np.ndarray) -> np.ndarray:
-    """Harmonics from 0 up (H, n) as the real vector that `LearningLoop.coupled` acts on."""
-    return np.concatenate([U[:1].real, np.sqrt(2) * U[1:].real, np.sqrt(2) * U[1:].imag]).ravel()
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -57,9 +57,9 @@ def along(
     """The loop at poses of a motion.
 
     Args:
-        experiment: gives α, α₀, Γ_k, Γ_qe, the time step and the integrator.
+        experiment: gives α₀, Γ_k, Γ_qe, the time step and the integrator.
         kinematics: of the arm.
-        gains: its feedback and the form of (8).
+        gains: its feedback, α and the form of (8).
         q: joint angles at the poses (P, n) [rad].
         stiffness: of the springs (n,) [N m/rad].
         q_c: centre of the regressor of (6) (n,) [rad].
@@ -72,30 +72,20 @@ def along(
     n = robot.n
     M = np.array([kinematics.inertia(pose) for pose in q])
     J = np.array([kinematics.jacobian(pose) for pose in q])
-    C = error_signal(robot, gains.jacobian, J, law.alpha, law.alpha_0)
+    C = error_signal(robot, gains.jacobian, J, gains.alpha, law.alpha_0)
     Jt = J.swapaxes(-1, -2)
-    F = (
-        np.concatenate([Jt @ (gains.k_p[:, None] * J), Jt @ (gains.k_v[:, None] * J)], axis=-1)
-        + gains.feedback @ C
-    )
-    D = np.diag(robot.model.dof_damping[robot.dof_address])
+    by_hand = np.block([Jt @ (gains.k_p[:, None] * J), Jt @ (gains.k_v[:, None] * J)])
+    F = by_hand + gains.feedback @ C
+    D = np.diag(robot.damping)
     integrate = _RK4 if experiment.simulation.integrator == "RK4" else _semi_implicit
     A, B = integrate(M, D, np.diag(stiffness), dt)
     A = A - B @ F
     rate = np.asarray(law.gamma_k) * (q - q_c) ** 2 + np.asarray(law.gamma_qe)
     if rate.any():
         # σ acts as u does, and follows y by explicit Euler.
-        kept = np.broadcast_to(np.eye(n), (len(q), n, n))
-        A = np.concatenate(
-            [
-                np.concatenate([A, B], axis=-1),
-                np.concatenate([-dt * rate[..., None] * C, kept], axis=-1),
-            ],
-            axis=-2,
-        )
         none = np.zeros((len(q), n, n))
-        B = np.concatenate([B, none], axis=-2)
-        C, F = (np.concatenate([part, none], axis=-1) for part in (C, F))
+        A = np.block([[A, B], [-dt * rate[..., None] * C, none + np.eye(n)]])
+        B, C, F = np.block([[B], [none]]), np.block([C, none]), np.block([F, none])
     return SampledLoop(A, B, C, F)
 
 
@@ -107,10 +97,10 @@ def error_signal(
     Jt = J.swapaxes(-1, -2)
     if jacobian == "transpose":
         rate = Jt @ J
-        return np.concatenate([alpha * rate, rate], axis=-1)
+        return np.block([alpha * rate, rate])
     rate = np.broadcast_to(np.eye(n), (len(J), n, n))
     if jacobian == "inverse":
-        return np.concatenate([alpha * rate, rate], axis=-1)
+        return np.block([alpha * rate, rate])
     # As in `equations.error_damped`: J⁺J, damped near singular poses.
     JJt = J @ Jt
     scale = np.trace(JJt, axis1=-2, axis2=-1) / m
@@ -118,37 +108,30 @@ def error_signal(
     lack = np.maximum(1 - manipulability / (0.1 * robot.usual), 0.0) if robot.usual else 0 * scale
     damping = (1e-10 + 1e-2 * lack**2) * scale
     task = Jt @ np.linalg.solve(JJt + damping[:, None, None] * np.eye(m), J)
-    return np.concatenate([alpha_0 * rate + (alpha - alpha_0) * task, rate], axis=-1)
+    return np.block([alpha_0 * rate + (alpha - alpha_0) * task, rate])
 
 
 def _semi_implicit(
     M: np.ndarray, D: np.ndarray, K: np.ndarray, dt: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Euler and implicitfast: q̇ with the damping of the end of the step, then q with this q̇."""
-    n = M.shape[-1]
-    identity = np.broadcast_to(np.eye(n), M.shape)
+    identity = np.broadcast_to(np.eye(M.shape[-1]), M.shape)
     push = dt * np.linalg.inv(M + dt * D)
-    A_v = np.concatenate([-push @ K, identity - push @ D], axis=-1)
-    stay = np.concatenate([identity, 0 * M], axis=-1)
-    A = np.concatenate([stay + dt * A_v, A_v], axis=-2)
-    return A, np.concatenate([dt * push, push], axis=-2)
+    A_v = np.block([-push @ K, identity - push @ D])
+    A = np.block([[np.block([identity, 0 * M]) + dt * A_v], [A_v]])
+    return A, np.block([[dt * push], [push]])
 
 
 def _RK4(  # noqa: N802
     M: np.ndarray, D: np.ndarray, K: np.ndarray, dt: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Runge-Kutta of fourth order: the first terms of e^{AΔt} and of its integral."""
-    n = M.shape[-1]
-    inverse = np.linalg.inv(M)
-    rest = np.concatenate([0 * M, np.broadcast_to(np.eye(n), M.shape)], axis=-1)
-    step = dt * np.concatenate(
-        [rest, np.concatenate([-inverse @ K, -inverse @ D], axis=-1)], axis=-2
-    )
-    push = dt * np.concatenate([0 * M, inverse], axis=-2)
-    A = term = np.broadcast_to(np.eye(2 * n), step.shape)
+    identity, inverse = np.broadcast_to(np.eye(M.shape[-1]), M.shape), np.linalg.inv(M)
+    step = dt * np.block([[0 * M, identity], [-inverse @ K, -inverse @ D]])
+    A = term = np.broadcast_to(np.eye(step.shape[-1]), step.shape)
     whole = np.zeros_like(step)
     for order in range(1, 5):
         whole = whole + term / order
         term = term @ step / order
         A = A + term
-    return A, whole @ push
+    return A, whole @ np.block([[0 * M], [dt * inverse]])

@@ -26,6 +26,7 @@ Note:
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from typing import NamedTuple
 
 import numpy as np
@@ -88,52 +89,26 @@ class LearningLoop(NamedTuple):
     def most_harmonics(self, lead: int) -> int:
         """The largest number of harmonics found with which none grows; 0 if none is."""
         grows = self.multiplier(lead).max(axis=0) > 1 + GROWTH
-        stable = self._before(grows)
-        last = int(self.harmonics[self.low].max())
+        stable, last = self._before(grows), int(self.harmonics[self.low].max())
         if stable >= last / 2:
             return stable
         if self.margin(lead, last) >= 1:
             return self._before(grows & ~self.low)
-        unstable = last
-        while unstable - stable > 1:
-            middle = (stable + unstable) // 2
-            if self.margin(lead, middle) >= 1:
-                stable = middle
-            else:
-                unstable = middle
-        return stable
+        more = range(stable + 1, last)
+        return stable + bisect_left(more, True, key=lambda kept: self.margin(lead, kept) < 1)
 
     def coupled(self, lead: int, kept: int | None = None) -> np.ndarray:
-        """β G e^{jωδΔt} of the L low harmonics together ((2L + 1) n, (2L + 1) n).
-
-        On real vectors: the mean, then √2 Re U_h of the harmonics from 1 to L, then √2 Im U_h.
-        Their square is the mean square of the signal.
-        """
-        poses = len(self.gain)
-        most = int(self.harmonics[self.low].max())
+        """β G e^{jωδΔt} of the harmonics from -L to L, the low ones, ((2L + 1) n, (2L + 1) n)."""
+        poses, most = len(self.gain), int(self.harmonics[self.low].max())
         most = most if kept is None else min(kept, most)
-        spectrum = np.fft.fft(self.gain[:, : most + 1], axis=0) / poses
-        h = np.arange(most + 1)
+        h = np.arange(-most, most + 1)
+        spectrum = np.fft.fft(two_sided(self.gain[:, : most + 1], axis=1), axis=0) / poses
+        apart = h[:, None] - h
+        # What so many poses cannot tell is left out.
+        seen = (2 * np.abs(apart) < poses)[..., None, None]
         turned = ahead(h, lead, self.steps)[:, None, None, None]
-
-        def block(apart: np.ndarray, part: np.ndarray) -> np.ndarray:
-            # What so many poses cannot tell is left out.
-            seen = 2 * np.abs(apart) < poses
-            return np.where(seen[..., None, None], part[apart % poses, h], 0) * turned
-
-        # Y_h of U_h', and of U_-h' = U_h'*, whose Ĝ are those of h' conjugated.
-        same = block(h[:, None] - h, spectrum)
-        mirrored = block(h[:, None] + h, spectrum[-np.arange(poses)].conj())
-        plus, minus = same + mirrored, same - mirrored
-        plus[:, 0] = same[:, 0]
-        plus[0, 1:], minus[0, 1:] = plus[0, 1:] / np.sqrt(2), minus[0, 1:] / np.sqrt(2)
-        plus[1:, 0] *= np.sqrt(2)
-        return np.block(
-            [
-                [_flat(plus.real), -_flat(minus.imag[:, 1:])],
-                [_flat(plus.imag[1:]), _flat(minus.real[1:, 1:])],
-            ]
-        )
+        blocks = np.where(seen, spectrum[apart % poses, h + most], 0) * turned
+        return blocks.swapaxes(1, 2).reshape(2 * [len(h) * self.gain.shape[-1]])
 
     def _before(self, grows: np.ndarray) -> int:
         """The last harmonic before the first that grows, the last of all if none does."""
@@ -179,10 +154,10 @@ def ahead(harmonics: np.ndarray, lead: int, steps: int) -> np.ndarray:
     return np.exp(2j * np.pi * harmonics * lead / steps)
 
 
-def _flat(blocks: np.ndarray) -> np.ndarray:
-    """Blocks (a, b, n, n) as one matrix (a n, b n)."""
-    a, b, n, _ = blocks.shape
-    return blocks.swapaxes(1, 2).reshape(a * n, b * n)
+def two_sided(harmonics: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Of a real signal's harmonics from 0 to L along an axis those from -L to L."""
+    negative = np.delete(np.flip(harmonics, axis), -1, axis).conj()
+    return np.concatenate([negative, harmonics], axis)
 
 
 def _gain_margin(mu: np.ndarray, growth: float = GROWTH) -> float:

@@ -48,7 +48,7 @@ def add(
     """
     given = shown.robot
     path = mjcf.find(given.mjcf)
-    arm = mjcf.read(given.mjcf, given.tool, given.home if isinstance(given.home, str) else None)
+    arm = mjcf.read(given)
     spec = arm.spec
     model = compile_spec(spec, path)
     if show_arm(spec, model, shown.joints, arm.site, note):

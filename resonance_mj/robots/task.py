@@ -1,0 +1,71 @@
+"""The task's coordinates: the positions that an arm controls, and the joints that have no part."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import RobotError
+from ..text import listed, shown
+from .mjcf import Arm
+
+AXES = {"x": 0, "y": 1, "z": 2, "rx": 3, "ry": 4, "rz": 5}
+
+IDLE = 1e-9
+"""Share of the Jacobian's size below which a joint does not move the tool."""
+
+
+def axes(given: tuple[str, ...] | None, arm: Arm, home: np.ndarray) -> tuple[str, ...]:
+    """The task's coordinates; if not given, the positions that the arm controls at home.
+
+    Joints that move none of them are said.
+
+    Raises:
+        RobotError: the arm can move its tool in no direction.
+    """
+    found = _found(arm, home) if given is None else _written_out(given)
+    idle = _idle(arm, home, [AXES[axis] for axis in found])
+    if idle:
+        others = [tool.name for tool in arm.tools[1:]]
+        arm.notes.append(
+            f"{'joints' if len(idle) > 1 else 'joint'} {listed(idle)} cannot move the tool "
+            f"{arm.tools[0].name!r} in {', '.join(found)}; robot.tool names another: "
+            f"{listed(others, none='a site beside the axis would be one')}"
+        )
+    return found
+
+
+def _written_out(given: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(
+        axis for name in given for axis in (("rx", "ry", "rz") if name == "rotation" else (name,))
+    )
+
+
+def _found(arm: Arm, home: np.ndarray) -> tuple[str, ...]:
+    # One arm moves in x and z, another in all three: take the axes in turn, and leave out one that
+    # moves only as the others make it.
+    jacobian = arm.jacobian(home)
+    size = np.linalg.norm(jacobian[:3])
+    found: list[str] = []
+    for axis in "xzy":
+        rows = jacobian[[AXES[name] for name in (*found, axis)]]
+        enough = len(rows) <= jacobian.shape[1]
+        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
+            found.append(axis)
+    if not found:
+        raise RobotError(
+            f"{arm.path}: the tool {shown(arm.tools[0].name)} cannot be moved from the home pose: "
+            "give another as robot.tool, such as a site away from the joints' axes, or another "
+            "robot.home"
+        )
+    named = tuple(sorted(found))
+    arm.notes.append(f"task: position in {', '.join(named)}, which the arm controls at home")
+    return named
+
+
+def _idle(arm: Arm, home: np.ndarray, coordinate: list[int]) -> list[str]:
+    """Names of the joints that do not move the task's coordinates, at home and elsewhere."""
+    rng = np.random.default_rng(0)
+    poses = [home, *(home + 0.3 * rng.standard_normal((4, len(home))))]
+    rows = np.array([arm.jacobian(q)[coordinate] for q in poses])
+    size = np.abs(rows).max(axis=(0, 1))
+    return [joint for joint, of in zip(arm.joints, size, strict=True) if of <= IDLE * size.max()]

@@ -1,0 +1,166 @@
+"""How a run ended that did not diverge: does each tool follow its path, held back by what."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..plan.plan import Plan
+from ..results.metrics import TRACKING
+from ..results.motions import MotionOfRun
+from ..robots.touching import touching
+from ..status import Status
+from ..text import angle, joined, length, percent
+
+LOOKED_AT = 250
+"""Samples of a cycle at which it is seen what touches."""
+
+MOST = 3
+"""Hindrances that a message names."""
+
+
+class LastCycle(NamedTuple):
+    """The last whole cycle of a motion."""
+
+    q: np.ndarray
+    """Joint angles (N, n) [rad]."""
+    tau: np.ndarray
+    """Motor torque (N, n) [N m]."""
+    total: np.ndarray
+    """With the springs' torque (N, n) [N m]."""
+    center: np.ndarray
+    """Of the springs (n,) [rad]."""
+
+
+class Hindrance(NamedTuple):
+    """What keeps an arm from a motion or acts on it besides motors, springs and gravity."""
+
+    what: str
+    cure: str
+    contact: bool = False
+
+
+class Ending(NamedTuple):
+    """How a run ended, why and what to try, and what is worth knowing of it."""
+
+    status: Status
+    message: str
+    notes: tuple[str, ...]
+
+
+def ending(plan: Plan, motions: tuple[MotionOfRun, ...], last: dict[int, LastCycle]) -> Ending:
+    """Judge the last whole cycle of each motion as one who watches it would.
+
+    Args:
+        plan: that was simulated.
+        motions: of the run.
+        last: last whole cycle of each, by its number from 0.
+    """
+    lost, touched, notes = [], [], []
+    for index, cycle in last.items():
+        motion, name = motions[index], f"motion {index + 1}"
+        held = hindrances(plan, index, cycle)
+        contacts = [one for one in held if one.contact]
+        notes += [f"in the last cycle of {name} {one.what}" for one in held]
+        if not motion.tracks[-1]:
+            lost.append(_lost(plan, index, motion, held))
+        elif contacts:
+            touched.append(
+                f"in the last cycle of {name} {named(contacts)}, and the "
+                f"springs bear on that too; try {contacts[0].cure}"
+            )
+    status = Status.NOT_TRACKING if lost else Status.IN_CONTACT if touched else Status.OK
+    return Ending(status, "; ".join(lost or touched), tuple(notes))
+
+
+def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """What touches in a whole cycle of a motion, and what is at the end of what it can do."""
+    of = (_contacts, _ranges, _motors)
+    return [one for found in of for one in found(plan, index, cycle)]
+
+
+def named(held: list[Hindrance]) -> str:
+    """The first few of them in a row; a run's notes have all."""
+    more = len(held) - MOST
+    return joined([one.what for one in held[:MOST]] + ([f"{more} more"] if more > 0 else []))
+
+
+def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) -> str:
+    """That a tool does not follow its path, why, and what to try."""
+    errors, rotation = motion.tracking_rms, motion.rotation_rms
+    if rotation is None or errors[-1] > TRACKING * motion.size:
+        share = percent(errors[-1] / motion.size, 0)
+        miss = f"{length(errors[-1])}, {share} of the path's size of {length(motion.size)}"
+    else:
+        miss = f"{length(errors[-1])} and {angle(rotation[-1])}"
+    law, falls = plan.experiment.law, len(errors) > 1 and errors[-1] < 0.9 * errors[-2]
+    lowest = int(np.argmin(errors))
+    if len(errors) > 1 and errors[-1] > 1.2 * errors[lowest]:
+        miss += f", grown from {length(errors[lowest])} in its cycle {lowest + 1}"
+    cures = list(dict.fromkeys(one.cure for one in held))
+    if not cures and law.kind == "feedback":
+        cures = ['law.kind = "transfer", which learns']
+    elif not cures and (falls or len(errors) < 3):
+        cures = [f"more cycles, a longer motion.{index}.duration: the error still falls"]
+    elif not cures:
+        omega = f"a larger law.omega (now {plan.gains.omega:g} 1/s)"
+        cures = [omega if law.k_v is None else "larger law.k_v and law.k_p"]
+        cures.append(f"a longer motion.{index}.period")
+    why = f": {named(held)}" if held else ""
+    return (
+        f"the tool does not follow motion {index + 1}: in its last cycle the RMS error is {miss}"
+        f"{why}; try {' or '.join(cures)}{plan.robot.hint}"
+    )
+
+
+def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """What touches, how deep and how long."""
+    robot = plan.loaded[index].robot
+    seen = cycle.q[:: max(1, len(cycle.q) // LOOKED_AT)]
+    return [
+        Hindrance(
+            f"{touch.first} touches {touch.second}, up to {length(touch.depth)} deep, for "
+            f"{_share(touch.share)} of it",
+            f"another motion.{index}.center, size or robot.home, or robot.contacts = false, with "
+            "which bodies pass through each other",
+            contact=True,
+        )
+        for touch in touching(robot.model, robot.qpos, robot.qpos_address, seen)
+    ]
+
+
+def _ranges(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """Which joints are at the ends of their ranges, and how long."""
+    robot, found = plan.robot, []
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    at_end = ((cycle.q <= low) | (cycle.q >= high)).mean(axis=0) * robot.limited
+    for j in np.flatnonzero(at_end):
+        cure = f"another motion.{index}.center, a smaller motion.{index}.size or another robot.home"
+        found.append(
+            Hindrance(
+                f"{robot.joints[j]} is at the end of its range, {low[j]:.3g} to {high[j]:.3g}, for "
+                f"{_share(at_end[j])} of it",
+                cure,
+            )
+        )
+    return found
+
+
+def _motors(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """Which motors are at their limits, and how long."""
+    robot = plan.robot
+    low, high = robot.torque_limit.T
+    at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean(axis=0)
+    return [
+        Hindrance(
+            f"{robot.joints[j]}'s motor is at its limit, {low[j]:.3g} to {high[j]:.3g} "
+            f"{'N' if robot.slides[j] else 'N m'}, for {_share(at_limit[j])} of it",
+            f"a longer motion.{index}.period or a smaller motion.{index}.size",
+        )
+        for j in np.flatnonzero(at_limit)
+    ]
+
+
+def _share(share: float) -> str:
+    return percent(share, 0) if share >= 0.01 else "less than 1 %"

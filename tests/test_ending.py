@@ -1,0 +1,185 @@
+"""What a run says of itself is what one who watches the arm would say."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import resonance_mj as rmj
+from resonance_mj.errors import MotionError
+from resonance_mj.experiments.loading import for_robot
+from resonance_mj.status import Status
+
+ARM = """<mujoco><compiler angle="{angle}"/>
+<default><geom type="capsule" size=".02" contype="{solid}" conaffinity="{solid}"/></default>
+<worldbody>{beside}
+  <body name="link1"><joint name="joint1" axis="0 -1 0" damping=".2"{range1}/>
+    <geom fromto="0 0 0 .3 0 0" mass="3" contype="0" conaffinity="0"/>
+    <body name="link2" pos=".3 0 0"><joint name="joint2" axis="0 -1 0" damping=".1"{range2}/>
+      <geom fromto="0 0 0 .25 0 0" mass="2"/><site name="tool" pos=".25 0 0"/></body></body>
+</worldbody>{motors}
+<keyframe><key name="home" qpos=".6 -1.2"/></keyframe></mujoco>"""
+PARTS = {"angle": "radian", "solid": 1, "beside": "", "range1": "", "range2": "", "motors": ""}
+GROUND = '<geom name="ground" type="plane" size="2 2 .1" pos="0 0 {}"{}/>'
+
+
+def an_arm(folder, settings=(), **parts):
+    """The default experiment of a two-joint arm in a vertical plane, with parts of its file."""
+    (folder / "arm.xml").write_text(ARM.format(**PARTS | parts))
+    return for_robot(str(folder / "arm.xml")).replace(dict(settings))
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    return rmj.simulate(an_arm(tmp_path_factory.mktemp("plain")))
+
+
+def test_a_tool_that_follows_its_path_is_ok_and_at_the_optimum(plain):
+    assert plain.status is Status.OK
+    assert plain.message == ""
+    assert plain.motions[0].verdict == "at optimum"
+    assert plain.motions[0].tracks[-1]
+
+
+def test_the_size_of_a_path_is_its_largest_extent(plain):
+    x = plain.motions[0].samples["x_desired"].values
+    assert plain.motions[0].size == pytest.approx(np.ptp(x, axis=0).max(), rel=1e-6)
+
+
+def test_a_limp_arm_does_not_track_and_is_not_at_any_optimum(tmp_path):
+    run = rmj.simulate(an_arm(tmp_path, {"law.omega": 0.0}))
+    found = run.summary()["segments"][0]
+    assert run.status is Status.NOT_TRACKING
+    assert found["tracking_rms"] > 0.02 * run.motions[0].size
+    assert found["cycles_to_optimum"] is None
+    assert run.motions[0].verdict == "off path"
+    assert "does not follow motion 1" in run.message
+
+
+def test_a_run_too_short_to_learn_does_not_track_and_is_told_to_go_on(tmp_path):
+    run = rmj.simulate(an_arm(tmp_path, {"motion.0.duration": 2.0}))
+    assert run.status is Status.NOT_TRACKING
+    assert "motion.0.duration" in run.message
+
+
+def test_an_arm_that_lies_on_the_floor_says_so_and_its_optimum_has_no_floor(tmp_path, plain):
+    ground = GROUND.format(0.1, "")
+    run = rmj.simulate(an_arm(tmp_path, _motion_of(plain), beside=ground))
+    assert run.status in (Status.NOT_TRACKING, Status.DIVERGED)
+    assert "ground touches link" in run.message
+    assert "robot.contacts" in run.message
+    assert any("ground" in note and "motion.0 makes" in note for note in run.plan.notes)
+    np.testing.assert_allclose(
+        run.plan.optima[0].stiffness, plain.plan.optima[0].stiffness, rtol=1e-9
+    )
+
+
+def test_a_motion_of_no_size_keeps_clear_of_what_stands_in_the_way(tmp_path, plain):
+    lowest = plain.motions[0].samples["x_desired"].values[:, 1].min()
+    beside = GROUND.format(lowest - 0.01, "")
+    run = rmj.simulate(an_arm(tmp_path, beside=beside))
+    assert run.status is Status.OK
+    assert run.motions[0].size < 0.9 * plain.motions[0].size
+    with pytest.raises(MotionError, match=r"ground touches link.*robot\.contacts"):
+        rmj.simulate(an_arm(tmp_path, beside=GROUND.format(0.1, "")))
+
+
+def test_a_motion_of_no_size_is_one_that_the_motors_can_make_with_springs(tmp_path, plain):
+    weak = WEAK.replace("1", "0.3").replace("joint0.3", "joint1")
+    run = rmj.simulate(an_arm(tmp_path, motors=weak))
+    assert run.motions[0].size < 0.9 * plain.motions[0].size
+    assert np.abs(run.plan.optima[0].torque).max() < 0.3
+
+
+def test_a_light_touch_that_leaves_the_path_as_it_is_has_a_status_of_its_own(tmp_path, plain):
+    lowest = plain.motions[0].samples["x_desired"].values[:, 1].min()
+    soft = GROUND.format(lowest - 0.01, ' solref="-200 -20" solimp=".1 .2 .1"')
+    run = rmj.simulate(an_arm(tmp_path, _motion_of(plain), beside=soft))
+    assert run.motions[0].tracks[-1]
+    assert run.status is Status.IN_CONTACT
+    assert re.search(r"ground touches link\d", run.message)
+
+
+def test_without_contacts_the_arm_passes_through_and_nothing_is_said(tmp_path):
+    inside = GROUND.format(0.1, "")
+    run = rmj.simulate(an_arm(tmp_path, {"robot.contacts": False}, beside=inside))
+    assert run.status is Status.OK
+    assert not any("touch" in note for note in run.notes)
+
+
+def test_ranges_read_as_degrees_are_named_with_the_cure(tmp_path, plain):
+    degrees = {"angle": "degree", "range1": ' range="-3 3"', "range2": ' range="-2.5 2.5"'}
+    with pytest.raises(MotionError, match=r'joint1 and joint2: less.*compiler angle="radian"/>'):
+        rmj.simulate(an_arm(tmp_path, **degrees))
+    run = rmj.simulate(an_arm(tmp_path, _motion_of(plain), **degrees))
+    assert run.status is not Status.OK
+    assert "is at the end of its range, -0.0524 to 0.0524" in run.message
+    assert '<compiler angle="radian"/>' in run.message
+
+
+def test_the_optimum_of_a_motion_beyond_a_joint_s_range_is_without_the_stop_s_force(tmp_path):
+    free = rmj.simulate(an_arm(tmp_path))
+    q = free.motions[0].samples["q"].values[:, 1]
+    middle = (q.min() + q.max()) / 2
+    stopped = an_arm(tmp_path, _motion_of(free), range2=f' range="{middle - 3} {middle}"')
+    run = rmj.simulate(stopped)
+    np.testing.assert_allclose(
+        run.plan.optima[0].stiffness, free.plan.optima[0].stiffness, rtol=1e-9
+    )
+    assert any("beyond its range" in note for note in run.plan.notes)
+    assert any("joint2 is at the end of its range" in note for note in run.notes)
+
+
+def _motion_of(run):
+    motion = run.experiment.motion[0]
+    return {"motion.0.size": motion.size, "motion.0.center": motion.center}
+
+
+WEAK = (
+    '<actuator><motor joint="joint1" ctrlrange="-1 1"/><motor joint="joint2" ctrlrange="-1 1"/>'
+    "</actuator>"
+)
+
+
+def test_weak_motors_are_named_with_their_share_of_the_cycle(tmp_path):
+    run = rmj.simulate(an_arm(tmp_path, motors=WEAK))
+    assert run.status is Status.NOT_TRACKING
+    assert re.search(r"joint\d's motor is at its limit, -1 to 1 N m, for \d+", run.message)
+    assert "motion.0.period" in run.message
+
+
+def test_pure_resonance_is_at_the_optimum_though_it_needs_no_torque(tmp_path):
+    (tmp_path / "cart.xml").write_text(
+        '<mujoco><worldbody><body name="cart"><joint name="x" type="slide" axis="1 0 0"/>'
+        '<geom size=".1" mass="2"/></body></worldbody></mujoco>'
+    )
+    run = rmj.simulate(for_robot(str(tmp_path / "cart.xml")))
+    assert run.motions[0].torque_squared_optimal < 1e-6 * (
+        run.motions[0].torque_squared_without_springs
+    )
+    assert run.motions[0].cycles_to_optimum <= 15
+
+
+def test_the_command_ends_with_1_and_says_why(tmp_path):
+    an_arm(tmp_path)
+    ended = subprocess.run(
+        [sys.executable, "-m", "resonance_mj.cli", "run", "--robot", "arm.xml", "--law.omega", "0"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 1
+    assert "off path" in ended.stdout
+    assert ended.stderr.count("\n") == 1
+    assert "not tracking" in ended.stderr
+
+
+def test_a_motion_where_joints_are_free_has_the_optimum_of_the_motion_made_if_it_was(tmp_path):
+    limp = for_robot("seven_joint.xml").replace({"law.omega": 0.0, "motion.0.duration": 3.0})
+    lost = rmj.simulate(limp)
+    assert lost.motions[0].optimum_of == "desired"
+    assert lost.motions[0].torque_squared_optimal == pytest.approx(
+        lost.plan.optima[0].torque_squared
+    )
