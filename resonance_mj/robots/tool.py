@@ -13,12 +13,6 @@ from ..text import listed, shown
 from . import arms, chain
 from .names import UNNAMED, is_sensor, usual
 
-SENSORS_AT_SITES = {
-    int(getattr(mujoco.mjtSensor, f"mjSENS_{kind}"))
-    for kind in ("TOUCH", "ACCELEROMETER", "GYRO", "FORCE", "TORQUE", "MAGNETOMETER", "RANGEFINDER")
-}
-"""Kinds of sensors whose sites are no tools."""
-
 
 @dataclass(frozen=True)
 class Tool:
@@ -97,13 +91,8 @@ def _found(
         raise RobotError(
             f"{path}: no hinge or slide joint moves anything in it; an arm needs at least one"
         )
-    of_sensors = _sites_of_sensors(model)
     own = [tool for tool in at_ends if model.body(tool.body).id in branches[0].ends]
-    own = [
-        tool
-        for tool in own
-        if not is_sensor(tool.name) and not (tool.kind == "site" and tool.name in of_sensors)
-    ] or own
+    own = [tool for tool in own if not is_sensor(tool.name)] or own
     for kind in ("site", "body"):
         ranked = [
             (place, tool)
@@ -133,17 +122,6 @@ def _found(
     )
     notes.append(f"tool: body {best.name!r}, the deepest of the longest chain of joints")
     return best
-
-
-def _sites_of_sensors(model: mujoco.MjModel) -> set[str]:
-    """Names of the sites at which something is measured, or that a tendon goes through."""
-    measured = [
-        int(model.sensor_objid[i])
-        for i in range(model.nsensor)
-        if int(model.sensor_type[i]) in SENSORS_AT_SITES
-    ]
-    through = model.wrap_objid[model.wrap_type == int(mujoco.mjtWrap.mjWRAP_SITE)].tolist()
-    return {model.site(i).name for i in (*measured, *through)}
 
 
 def _names(tools: list[Tool], kind: str) -> str:
