@@ -24,14 +24,11 @@ SIZES = {1: (1280, 720), 2: (1440, 600), 3: (1800, 600)}
 
 
 class Scene(NamedTuple):
-    """A span of the runs in a film."""
+    """A span of the runs, and where it begins in the film; all in seconds."""
 
     start: float
-    """[s of the run]"""
     stop: float
-    """[s of the run]"""
     at: float
-    """Where it begins in the film [s]."""
 
 
 @dataclass(frozen=True)
