@@ -18,7 +18,7 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures import palette
-from resonance_mj.pictures.figures import catalogue, path, sizes, springs
+from resonance_mj.pictures.figures import catalogue, path, springs
 from resonance_mj.results.cycles import kept
 
 SHORT = {
@@ -29,7 +29,7 @@ SHORT = {
 }
 OF_ONE = [entry.name for entry in catalogue.FIGURES if not entry.several]
 DRAWN = {}
-WIDTHS = [sizes.COLUMN, sizes.PAGE]
+WIDTHS = [catalogue.COLUMN, catalogue.PAGE]
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def diverged(resonance_run):
     return run
 
 
-def drawn(name, runs, width=sizes.PAGE):
+def drawn(name, runs, width=catalogue.PAGE):
     """A figure, laid out so that all of it has its place; each is drawn once, to be looked at."""
     key = name, width, *map(id, runs)
     if key not in DRAWN:
@@ -89,7 +89,7 @@ def test_no_words_touch_or_leave_a_page(runs, robot, name):
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("robot", ["two-link-transfer", "scara"])
 def test_no_words_touch_or_leave_a_column(runs, robot, name):
-    assert_readable(drawn(name, [runs[robot]], sizes.COLUMN))
+    assert_readable(drawn(name, [runs[robot]], catalogue.COLUMN))
 
 
 def assert_readable(figure):

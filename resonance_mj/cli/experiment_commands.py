@@ -30,8 +30,8 @@ def run(options: Namespace) -> int:
     """Simulate an experiment and write its run."""
     experiment = keys_as_options.experiment(options)
     from ..files import could_be_written
+    from ..pictures.figures.catalogue import DRAFT
     from ..pictures.figures.plot import plot
-    from ..pictures.figures.sizes import DRAFT
     from ..simulation.simulation import simulate
     from ..status import Status
     from . import tables
@@ -131,7 +131,8 @@ def compare(options: Namespace) -> None:
     experiment = keys_as_options.experiment(options)
     from ..evaluation.comparison import comparison
     from ..files import could_be_written
-    from ..pictures.figures import comparison_figure, saving
+    from ..pictures.figures import comparison_figure
+    from ..pictures.figures.plot import save
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
@@ -139,7 +140,7 @@ def compare(options: Namespace) -> None:
     with bar(f"{experiment.name}: all laws", "cycles", screen) as show:
         found = comparison.compare(experiment, long=options.long, progress=show)
     found.save(folder)
-    saving.save(comparison_figure.figure(found), folder, "compare")
+    save(comparison_figure.figure(found), folder, "compare")
     screen.print(tables.comparison(found))
     screen.print(
         f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "

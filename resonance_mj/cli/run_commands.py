@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import ExperimentError, PictureError
-from ..pictures.figures.catalogue import FIGURES
-from ..pictures.figures.sizes import DPI, FORMATS
+from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
 from ..pictures.viewer.clock import KEYS_HELP
 from . import keys_as_options
 from .command import Argument, argument, command, flag
@@ -120,11 +119,12 @@ def certify(options: Namespace) -> None:
 def certified(run: Run, folder: Path, screen: Console) -> list[str]:
     """Print and draw a run's certificates; the names of the files that were written."""
     from ..evaluation.certificates.certificates import certify
-    from ..pictures.figures import certificate_figure, saving
+    from ..pictures.figures import certificate_figure
+    from ..pictures.figures.plot import save
     from . import tables
 
     found = certify(run)
-    drawn = saving.save(certificate_figure.figure(found), folder, "certificates")
+    drawn = save(certificate_figure.figure(found), folder, "certificates")
     screen.print(tables.certificates(found))
     return [path.name for path in drawn]
 

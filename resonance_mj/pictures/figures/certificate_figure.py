@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from ...evaluation.certificates.claims import ROUNDING, Certificate, Certificates
 from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
+from .catalogue import PAGE
 from .sheet import Row, Sheet
-from .sizes import PAGE
 from .style import SMALL, one_of, styled
 from .ticks import counted, even, logarithmic
 

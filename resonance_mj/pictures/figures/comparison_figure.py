@@ -15,8 +15,8 @@ from ...evaluation.comparison.comparison import Comparison
 from ...results.run import Run
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycle_axis
+from .catalogue import PAGE
 from .sheet import Row, Sheet
-from .sizes import PAGE
 from .style import SMALL, styled
 from .ticks import logarithmic
 

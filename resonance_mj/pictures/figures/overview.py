@@ -37,10 +37,6 @@ def draw(run: Run, width: float) -> Figure:
 
     Signals that repeat with the motion are shown where something happens: at the start, around
     each change of motion and at the end.
-
-    Args:
-        run: with at least one recorded sample.
-        width: of the figure [in].
     """
     data = run.data
     axes, joints = data["axis"].values.tolist(), data["joint"].values.tolist()

@@ -49,12 +49,7 @@ class Pair(NamedTuple):
 
 
 def draw(run: Run, width: float) -> Figure:
-    """Of each motion the path in its own plane; beside it error and rotation over the cycle.
-
-    Args:
-        run: with a whole cycle whose samples were kept.
-        width: of the figure [in].
-    """
+    """Of each motion the path in its own plane; beside it error and rotation over the cycle."""
     axes = run.data["axis"].values.tolist()
     places = [name for name in axes if not name.startswith("r")]
     m = len(places)

@@ -38,10 +38,6 @@ def draw(run: Run, width: float) -> Figure:
     """A panel per joint for the last whole cycle of each motion whose samples were kept.
 
     What the motion needs without springs is what spring and motor exerted together.
-
-    Args:
-        run: with a whole cycle whose samples were kept.
-        width: of the figure [in].
     """
     joints = run.data["joint"].values.tolist()
     last = {cycle.motion: cycle for cycle in kept(run)}
