@@ -150,13 +150,11 @@ def named(name: str) -> Entry:
     Raises:
         PictureError: there is none.
     """
-    for entry in FIGURES:
-        if entry.name == name:
-            return entry
-    names = [entry.name for entry in FIGURES]
-    raise PictureError(
-        f"figure {shown(name)} is unknown{nearest(name, names)}; there are {', '.join(names)}"
-    )
+    found = {entry.name: entry for entry in FIGURES}
+    if name not in found:
+        there = f"{nearest(name, [*found])}; there are {', '.join(found)}"
+        raise PictureError(f"figure {shown(name)} is unknown{there}")
+    return found[name]
 
 
 def _has(run: Run, needs: str) -> bool:

@@ -66,15 +66,8 @@ def figure(comparison: Comparison, width: float = PAGE) -> Figure:
     axes[0].axhline(1.0, color=DESIRED, linewidth=0.6)
     if long:
         title = "the last motion repeated"
-        _long_runs(
-            sheet.panel(
-                over_cycles,
-                0,
-                f"{title}: as (a) [1]; a cross where a law diverged",
-                f"{title} [1]",
-            ),
-            long,
-        )
+        full = f"{title}: as (a) [1]; a cross where a law diverged"
+        _long_runs(sheet.panel(over_cycles, 0, full, f"{title} [1]"), long)
     for ax in sheet.figure.axes:
         logarithmic(ax)
     _legend(sheet.figure, comparison, 1 - (LEGEND - 0.12) / width)
