@@ -87,8 +87,8 @@ def test_damped_joints_follow_their_path_because_the_gain_has_their_damping(tmp_
     (tmp_path / "arm.xml").write_text(re.sub(r'damping="[^"]*"', f'damping="{damping}"', text))
     experiment = for_robot(str(tmp_path / "arm.xml"))
     found = rmj.simulate(experiment, strict=True).summary()["segments"][0]
-    assert found["tracking_rms"] < 1e-4
-    assert found["cycles_to_optimum"] <= 10
+    assert found["tracking_rms"] < 5e-4
+    assert found["cycles_to_optimum"] <= 15
 
 
 def test_an_arm_of_millimetres_and_milligrams_reaches_its_optimum_though_it_falls_fast(tmp_path):

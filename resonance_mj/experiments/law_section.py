@@ -44,13 +44,13 @@ class Law(Section):
     k_p: Gains | None = None
     """Position feedback K_p [N/m], one for all coordinates or one each."""
     omega: Gain | None = None
-    """Bandwidth of the inertial feedback [1/s]; 60, or more on an arm that falls fast, and at most
-    a tenth of 1/timestep, if not given."""
+    """Bandwidth of the inertial feedback [1/s]; 60, or more on an arm that falls or swings fast,
+    and at most a tenth of 1/timestep, if not given."""
     alpha: Gain | None = None
-    """Weight of the position error in (8) [1/s]; 10, or the rate at which the arm falls from its
-    home if that is higher, if not given."""
-    alpha_0: Gain = 10.0
-    """Weight of the posture's error in the null space [1/s]."""
+    """Weight of the position error in (8) [1/s]; 10, or the rate at which the arm falls or swings
+    about its home if that is higher, if not given."""
+    alpha_0: Gain | None = None
+    """Weight of the posture's error in the null space [1/s]; as alpha if not given."""
     beta: Gain | None = None
     """Learning gain of (9) [N m s/rad]; if not given, eta times the feedback's own torque."""
     eta: Gain = 0.5

@@ -34,6 +34,7 @@ class Gains:
         feedback_p: G_p of the feedback -G_p s(Δq) in joint space (n, n) [N m/rad].
         omega: bandwidth ω of the inertial feedback [1/s].
         alpha: weight of the position error in (8) [1/s].
+        alpha_0: weight of the posture's error in its null space [1/s].
         learning: what is learned from y (n, n) [N m s/rad].
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
@@ -48,6 +49,7 @@ class Gains:
     feedback_p: np.ndarray
     omega: float
     alpha: float
+    alpha_0: float
     learning: np.ndarray
     lead: int
     harmonics: int | None
@@ -64,12 +66,13 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     law, n, m = experiment.law, robot.n, robot.m
     dt = experiment.simulation.timestep
     by_hand = law.k_v is not None or law.k_p is not None
-    falls = falling_rate(robot)
-    alpha = law.alpha if law.alpha is not None else max(POSITION, falls)
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
-    omega = law.omega if law.omega is not None else min(max(BANDWIDTH, 2 * falls), 0.1 / dt)
+    fastest, own = 0.1 / dt, gravity_rate(robot)
+    omega = min(max(BANDWIDTH, 3 * own), fastest) if law.omega is None else law.omega
+    rate = min(max(POSITION, own), fastest)
+    alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
-    inertial = omega * robot.inertia + np.diag(robot.damping)
+    inertial = omega * robot.inertia + np.diag(_damping(robot, dt))
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))
     if law.follows_joints:
@@ -92,6 +95,7 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
         feedback_p=feedback_p,
         omega=omega,
         alpha=alpha,
+        alpha_0=rate if law.alpha_0 is None else law.alpha_0,
         learning=learning,
         lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
@@ -99,11 +103,21 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     )
 
 
-def falling_rate(robot: Robot) -> float:
-    """How fast the arm falls from its home without motors and springs, as e^{λt}: λ [1/s].
+def _damping(robot: Robot, dt: float) -> np.ndarray:
+    """Gain (n,) [N m s/rad] that damped joints have beside the inertial one: their damping D.
 
-    λ² is the largest eigenvalue of M⁻¹ dτ/dq, with τ the torque of gravity; 0 for an arm that hangs
-    or lies. A small arm falls fast: λ² is about gravity over length.
+    Half of it where D is far above M/dt. There a joint keeps no speed from a step to the next, and
+    a gain of D would take back in each step what the one before has done.
+    """
+    D, kept = robot.damping, np.diag(robot.inertia)
+    return D * (kept + 0.5 * dt * D) / (kept + dt * D)
+
+
+def gravity_rate(robot: Robot) -> float:
+    """How fast the arm falls from its home, or swings about it, by gravity alone: λ [1/s].
+
+    λ² is the largest eigenvalue, of either sign, of M⁻¹ dτ/dq, with τ the torque of gravity. A
+    small arm is fast: λ² is about gravity over length. Feedback must be faster to bear on it.
     """
     model, data, at = robot.model, mujoco.MjData(robot.model), robot.qpos_address
     data.qpos[:] = robot.qpos
@@ -116,8 +130,7 @@ def falling_rate(robot: Robot) -> float:
             torque[side, :, j] = (data.qfrc_passive - data.qfrc_bias)[robot.dof_address]
         data.qpos[at[j]] = robot.home[j]
     slope = (torque[0] - torque[1]) / 2e-5
-    rates = np.linalg.eigvals(np.linalg.solve(robot.inertia, slope)).real
-    return float(np.sqrt(max(rates.max(), 0.0)))
+    return float(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(robot.inertia, slope))).max()))
 
 
 def _in_joint_space(

@@ -44,10 +44,10 @@ MOTORS = 0.7
 """Most that the motors need with the best springs, as a share of their limits."""
 
 
-def filled_in(experiment: Experiment, kinematics: Kinematics) -> Experiment:
+def filled_in(experiment: Experiment, kinematics: Kinematics, alpha_0: float = 10.0) -> Experiment:
     """The experiment with what it left open in its motions filled in."""
     robot = kinematics.robot
-    at_home, alpha_0 = kinematics.position(robot.home), experiment.law.alpha_0
+    at_home = kinematics.position(robot.home)
     filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"

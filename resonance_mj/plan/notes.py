@@ -128,7 +128,8 @@ def _unstable_feedback(
     dt, k_v = experiment.simulation.timestep, experiment.law.k_v
     limit, D = 2.0 / dt, np.diag(kinematics.robot.damping)
     implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
-    constant = D if gains.feedback.any() else 0 * D  # of G what law.omega does not scale
+    # Of G what law.omega does not scale.
+    constant = 0 * D if k_v is not None else gains.feedback - gains.omega * kinematics.robot.inertia
     J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
     M = np.array([kinematics.inertia(q) for q in _poses(joints)]) + implicit * D
     scaled = J.swapaxes(1, 2) @ (gains.k_v[:, None] * J) + gains.feedback - constant

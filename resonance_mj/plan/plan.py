@@ -70,7 +70,7 @@ class Plan:
             for motion in experiment.motion
         )
         how = experiment.robot, experiment.task, experiment.simulation.timestep
-        depends_on = (*how, experiment.law.alpha_0, one_cycle)
+        depends_on = (*how, self.gains.alpha_0, one_cycle)
         if depends_on not in self._followed:
             self._followed[depends_on] = self._heard(self._follow)
         return self._followed[depends_on]
@@ -184,7 +184,7 @@ class Plan:
                     start,
                     motion.blend * motion.period,
                     f"experiment {self.experiment.name!r}: passage to motion.{segment}",
-                    self.experiment.law.alpha_0,
+                    self.gains.alpha_0,
                 )
                 steps = self.steps(segment)
                 for number, cycle in enumerate(cycles):
@@ -230,8 +230,8 @@ class Plan:
         for index, motion in enumerate(experiment.motion):
             samples = motions.sample(motion, self.steps(index), self.robot)
             name = f"experiment {experiment.name!r}: motion.{index}"
-            alpha_0 = experiment.law.alpha_0
-            found.append(self.kinematics.follow(samples, start, motion.period, name, alpha_0))
+            follow, rate = self.kinematics.follow, self.gains.alpha_0
+            found.append(follow(samples, start, motion.period, name, rate))
             start = found[-1].q[-1]
         return found
 
@@ -260,7 +260,8 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     law = laws.load(experiment.law.kind)
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
-    experiment = default_motion.filled_in(experiment, unloaded)
+    chosen = gains(experiment, robot)
+    experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0)
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:
         if motion.payload not in by_payload:
@@ -271,7 +272,7 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
         kinematics=unloaded,
         loaded=[by_payload[motion.payload] for motion in experiment.motion],
         law=law,
-        gains=gains(experiment, robot),
+        gains=chosen,
         _followed={} if followed is None else followed,
     )
 

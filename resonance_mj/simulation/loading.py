@@ -44,7 +44,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
         ("alpha", chosen.alpha),
-        ("alpha_0", law.alpha_0),
+        ("alpha_0", chosen.alpha_0),
         ("timestep", dt),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
         ("speed_limit", 1.0 / dt),
