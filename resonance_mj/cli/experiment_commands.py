@@ -10,7 +10,7 @@ import resonance_mj as rmj
 
 from ..errors import ExperimentError
 from ..files import could_be_written
-from ..pictures.figures.sizes import DRAFT
+from ..pictures.figures.catalogue import DRAFT
 from . import keys_as_options, run_commands
 from .command import DONE, NOT_WELL, argument, bar, command, complain, console, flag
 from .keys_as_options import EXPERIMENT, ROBOT
@@ -126,7 +126,8 @@ def inspect(options: Namespace) -> None:
 def compare(options: Namespace) -> None:
     """The laws that users compare, on one experiment."""
     experiment = keys_as_options.experiment(options)
-    from ..pictures.figures import comparison_figure, saving
+    from ..pictures.figures import comparison_figure
+    from ..pictures.figures.plot import save
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
@@ -134,7 +135,7 @@ def compare(options: Namespace) -> None:
     with bar(f"{experiment.name}: all laws", "cycles", screen) as show:
         found = rmj.compare(experiment, long=options.long, progress=show)
     found.save(folder)
-    saving.save(comparison_figure.figure(found), folder, "compare")
+    save(comparison_figure.figure(found), folder, "compare")
     screen.print(tables.comparison(found))
     screen.print(
         f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "

@@ -12,8 +12,7 @@ import resonance_mj as rmj
 from .. import library
 from ..errors import ExperimentError, PictureError
 from ..files import writable
-from ..pictures.figures.catalogue import FIGURES
-from ..pictures.figures.sizes import DPI, FORMATS
+from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
 from ..pictures.viewer.clock import KEYS_HELP
 from . import keys_as_options
 from .command import DONE, NOT_WELL, Argument, argument, bar, command, complain, console, flag
@@ -110,11 +109,12 @@ def certify(options: Namespace) -> None:
 
 def certified(run: rmj.Run, folder: Path, screen: Console) -> list[str]:
     """Print and draw a run's certificates; the names of the files that were written."""
-    from ..pictures.figures import certificate_figure, saving
+    from ..pictures.figures import certificate_figure
+    from ..pictures.figures.plot import save
     from . import tables
 
     found = rmj.certify(run)
-    drawn = saving.save(certificate_figure.figure(found), folder, "certificates")
+    drawn = save(certificate_figure.figure(found), folder, "certificates")
     screen.print(tables.certificates(found))
     return [path.name for path in drawn]
 
