@@ -18,7 +18,7 @@ import numpy as np
 from rich.progress import Progress
 
 import resonance_mj as rmj
-from resonance_mj.evaluation.comparison.contenders import contending
+from resonance_mj.evaluation.comparison import contending
 
 CYCLES = 40
 RUNS = (

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import ResonanceError
-    from .evaluation.certificates.certificates import certify
-    from .evaluation.certificates.claims import Certificate, Certificates
-    from .evaluation.comparison.comparison import Comparison, compare
+    from .evaluation.certificates.certificates import Certificate, Certificates, certify
+    from .evaluation.comparison import Comparison, compare
     from .experiments.experiment import Experiment
     from .experiments.loading import load
     from .pictures.figures.plot import plot
@@ -21,11 +20,11 @@ if TYPE_CHECKING:
     from .springs.optimum import Optimum
 
 _HOMES = {
-    "Certificate": "evaluation.certificates.claims",
-    "Certificates": "evaluation.certificates.claims",
+    "Certificate": "evaluation.certificates.certificates",
+    "Certificates": "evaluation.certificates.certificates",
     "certify": "evaluation.certificates.certificates",
-    "Comparison": "evaluation.comparison.comparison",
-    "compare": "evaluation.comparison.comparison",
+    "Comparison": "evaluation.comparison",
+    "compare": "evaluation.comparison",
     "ResonanceError": "errors",
     "Experiment": "experiments.experiment",
     "load": "experiments.loading",

@@ -15,8 +15,8 @@ from rich.console import Console
 import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.cli import tables
-from resonance_mj.evaluation.comparison import contenders
-from resonance_mj.evaluation.comparison.comparison import Comparison, Verdict
+from resonance_mj.evaluation import comparison
+from resonance_mj.evaluation.comparison import Comparison, Verdict
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.pictures.figures import comparison_figure
 from resonance_mj.robots.robot import build
@@ -46,13 +46,13 @@ def row(compared, law, motion):
 def test_every_law_is_compared_in_every_motion(compared):
     rows = compared.rows()
     assert len(rows) == 18
-    assert [r["law"] for r in rows[::2]] == [one.name for one in contenders.CONTENDERS]
+    assert [r["law"] for r in rows[::2]] == [one.name for one in comparison.CONTENDERS]
     assert {r["motion"] for r in rows} == {1, 2}
 
 
 @pytest.mark.parametrize("name", ["printed", "printed-transpose", "transfer", "computed-torque"])
 def test_a_comparisons_run_is_that_of_its_experiment_alone(paper, compared, name):
-    alone = rmj.simulate({one.name: each for one, each in contenders.contending(paper)}[name])
+    alone = rmj.simulate({one.name: each for one, each in comparison.contending(paper)}[name])
     np.testing.assert_array_equal(compared.runs[name].data["tau"], alone.data["tau"])
 
 
@@ -94,7 +94,7 @@ def test_a_law_that_diverges_is_said_to_do_so_with_the_cycle():
     """As printed with β = 10 within 20 cycles, long before the transfer with the same gain."""
     motion = rmj.load("paper").motion[1].model_dump() | {"duration": 60.0}
     paper = rmj.load("paper").replace({"motion": [motion], "law.beta": 10.0, "law.q_c": "mean"})
-    laws = {one.name: each for one, each in contenders.contending(paper)}
+    laws = {one.name: each for one, each in comparison.contending(paper)}
     names = ("printed", "transfer")
     runs = dict(zip(names, rmj.simulate_many([laws[name] for name in names]), strict=True))
     found = Comparison(paper, {name: name for name in names}, runs, runs)
@@ -208,13 +208,13 @@ def test_without_a_long_run_the_figure_and_the_table_do_without(compared):
 def test_experiments_without_adaptation_gains_get_the_papers_per_inertia():
     plain = for_robot("planar_three_link.xml")
     inertia = np.diag(build(plain).inertia)
-    by_name = {one.name: found for one, found in contenders.contending(plain)}
+    by_name = {one.name: found for one, found in comparison.contending(plain)}
     for name in ("printed", "printed-lead", "joint-space"):
         np.testing.assert_allclose(by_name[name].law.gamma_k, 200 * inertia)
         np.testing.assert_allclose(by_name[name].law.gamma_qe, 500 * inertia)
     assert by_name["transfer"] == plain
     paper = rmj.load("paper")
-    for one, found in contenders.contending(paper):
+    for one, found in comparison.contending(paper):
         if one.name.startswith("printed"):
             assert found.law.gamma_k == paper.law.gamma_k
 

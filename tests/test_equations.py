@@ -66,8 +66,8 @@ def test_motor_torque_is_4(seed, n, m):
 def test_stiffness_and_offset_rates_are_6_and_7(seed, n):
     rng = np.random.default_rng(seed)
     gamma_k, gamma_qe, q, q_c, y = rng.normal(size=(5, n))
-    rates = [equations.stiffness_rate(*each) for each in zip(gamma_k, q, q_c, y, strict=True)]
-    offsets = [equations.offset_rate(*each) for each in zip(gamma_qe, y, strict=True)]
+    each = zip(gamma_k, gamma_qe, q, q_c, y, strict=True)
+    rates, offsets = zip(*(equations.spring_rates(*one) for one in each), strict=True)
     np.testing.assert_allclose(
         rates, np.diag(gamma_k) @ (np.diag(q) - np.diag(q_c)) @ y, rtol=1e-14
     )

@@ -147,7 +147,8 @@ def test_the_fingers_of_a_gripper_are_no_tools_and_the_sites_of_its_hand_are(ser
 
 
 def test_a_motor_that_is_too_weak_is_in_the_notes(servos):
-    notes = inspect(for_robot(str(servos))).notes
+    quick = [{"duration": 5.0, "period": 0.5, "size": [0.1, 0.1]}]
+    notes = inspect(for_robot(str(servos)).replace({"motion": quick})).notes
     assert any("asks elbow for" in note and "motor gives 0.2" in note for note in notes)
 
 

@@ -15,9 +15,9 @@ from ..text import NOTHING, number
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..evaluation.certificates.claims import Certificates
+    from ..evaluation.certificates.certificates import Certificates
     from ..evaluation.checks.check import Judgement
-    from ..evaluation.comparison.comparison import Comparison
+    from ..evaluation.comparison import Comparison
     from ..plan.plan import Plan
     from ..results.motions import MotionOfRun
     from ..results.run import Run

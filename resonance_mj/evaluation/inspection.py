@@ -1,14 +1,10 @@
 """What the program finds in an arm: its numbers, a motion and gains for it, and why."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import mujoco
 import numpy as np
 import tomlkit
 
@@ -17,7 +13,7 @@ from ..experiments.keys import describe
 from ..laws.gains import Gains
 from ..motions import default_motion
 from ..motions.kinematics import JointMotion
-from ..plan.plan import plan_for
+from ..plan.plan import Plan, plan_for
 from ..robots.robot import Robot
 from ..robots.tool import Tool
 from ..springs.optimum import Optimum
@@ -94,7 +90,28 @@ class Inspection:
 
     def to_toml(self) -> str:
         """The suggested experiment as a TOML text with comments: what is worth changing."""
-        return _toml(self)
+        meanings = {key: meaning for key, _, meaning in describe()}
+        values = self.experiment.model_dump()
+        values |= {"": values, "motion.0": values["motion"][0]}
+        units = (f"{joint.name} [{'m' if joint.slides else 'rad'}]" for joint in self.joints)
+        more = {"robot.home": f" Here: {', '.join(units)}."}
+        if any(joint.slides for joint in self.joints):
+            more["springs.stiffness"] = " [N/m] for slide joints."
+            more["springs.equilibrium"] = " [m] for slide joints."
+        lines = [line for text in (_HEADING, *self.notes) for line in _comment(text)]
+        for section, names in WORTH_CHANGING.items():
+            if section:
+                lines += ["", "[[motion]]" if section == "motion.0" else f"[{section}]"]
+            for name in names:
+                key, value = f"{section}.{name}".lstrip("."), values[section][name]
+                if value is None or value == ():
+                    continue
+                # How it is found if not given says nothing here, where it is given.
+                meaning = re.sub(r";[^;]*if not given\.$", ".", " ".join(meanings[key].split()))
+                lines += _comment(meaning + more.get(key, ""))
+                item = list(value) if isinstance(value, tuple) else value
+                lines.append(f"{name} = {tomlkit.item(item).as_string()}")
+        return "\n".join(lines) + "\n"
 
 
 def inspect(experiment: Experiment) -> Inspection:
@@ -105,34 +122,31 @@ def inspect(experiment: Experiment) -> Inspection:
         MotionError: the arm cannot follow the motion.
     """
     plan = plan_for(experiment)
-    robot, complete, gains = plan.robot, plan.experiment, plan.gains
-    found, optima = plan.joints, plan.optima
-    values = [np.linalg.svd(plan.kinematics.jacobian(q), compute_uv=False) for q in found[0].q]
-    tool = robot.tools[0]
+    robot, motion, best, tool = plan.robot, plan.joints[0], plan.optima[0], plan.robot.tools[0]
+    values = [np.linalg.svd(plan.kinematics.jacobian(q), compute_uv=False) for q in motion.q]
     chosen = [note for note in robot.notes if note.startswith("tool: ")]
     return Inspection(
-        experiment=_written_out(complete, robot, gains, tool),
-        joints=_joints(robot, found[0], optima[0]),
+        experiment=_written_out(plan),
+        joints=_joints(robot, motion, best),
         tools=robot.tools,
         tool=tool,
         tool_reason=chosen[0].rpartition(", ")[2] if chosen else "given",
         axes=robot.axes,
         reach=default_motion.reach(robot),
         conditioning=np.array([one[-1] / one[0] for one in values]),
-        gains=gains,
-        torque_reduction=optima[0].torque_reduction,
+        gains=plan.gains,
+        torque_reduction=best.torque_reduction,
         notes=plan.notes,
     )
 
 
 def _joints(robot: Robot, motion: JointMotion, best: Optimum) -> tuple[Joint, ...]:
     model, joint_id = robot.model, robot.joint_id
-    slides = model.jnt_type[joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)
     limited = model.jnt_limited[joint_id].astype(bool)
     return tuple(
         Joint(
             name=name,
-            slides=bool(slides[j]),
+            slides=bool(robot.slides[j]),
             home=float(robot.home[j]),
             range=_ends(model.jnt_range[joint_id[j]]) if limited[j] else None,
             damping=float(model.dof_damping[robot.dof_address[j]]),
@@ -150,16 +164,16 @@ def _ends(pair: np.ndarray) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
 
 
-def _written_out(complete: Experiment, robot: Robot, gains: Gains, tool: Tool) -> Experiment:
+def _written_out(plan: Plan) -> Experiment:
     """An experiment with what was found in its robot and for its gains written out."""
-    given, law = complete.robot, complete.law
+    robot, gains, given, law = plan.robot, plan.gains, plan.experiment.robot, plan.experiment.law
     path = Path(given.mjcf)
     # A keyframe that is named also holds joints off the chain: its name stays.
     home = given.home if isinstance(given.home, str) else robot.home.tolist()
     coordinates = [*robot.position_axes, *(["rotation"] if robot.rotates else [])]
     changes = {
         "robot.mjcf": str(path.resolve()) if path.exists() else given.mjcf,
-        "robot.tool": tool.name,
+        "robot.tool": robot.tools[0].name,
         "robot.home": home,
         "task.coordinates": coordinates,
         "law.lead": gains.lead,
@@ -167,63 +181,19 @@ def _written_out(complete: Experiment, robot: Robot, gains: Gains, tool: Tool) -
     }
     if law.k_v is None and law.k_p is None:
         changes["law.omega"] = gains.omega
-    return complete.replace(changes)
+    return plan.experiment.replace(changes)
 
 
-WORTH_CHANGING = (
-    "name",
-    "robot.mjcf",
-    "robot.tool",
-    "robot.joints",
-    "robot.home",
-    "robot.packages",
-    "task.coordinates",
-    "simulation.timestep",
-    "motion.0.duration",
-    "motion.0.period",
-    "motion.0.shape",
-    "motion.0.center",
-    "motion.0.size",
-    "motion.0.plane",
-    "law.kind",
-    "law.omega",
-    "law.eta",
-    "law.lead",
-    "law.harmonics",
-    "springs.stiffness",
-    "springs.equilibrium",
-)
-"""Keys that a suggested experiment has."""
-
-_WIDTH = 100
-
-
-def _toml(found: Inspection) -> str:
-    meanings = {key: meaning for key, _, meaning in describe()}
-    values = found.experiment.model_dump()
-    slides = any(joint.slides for joint in found.joints)
-    units = (f"{joint.name} [{'m' if joint.slides else 'rad'}]" for joint in found.joints)
-    more = {"robot.home": f" Here: {', '.join(units)}."}
-    if slides:
-        more["springs.stiffness"] = " [N/m] for slide joints."
-        more["springs.equilibrium"] = " [m] for slide joints."
-    lines = [line for text in (_HEADING, *found.notes) for line in _comment(text)]
-    section = ""
-    for key in WORTH_CHANGING:
-        parent, _, last = key.rpartition(".")
-        value = _at(values, key)
-        if value is None or value == ():
-            continue
-        if parent != section:
-            section = parent
-            lines += ["", "[[motion]]" if parent == "motion.0" else f"[{parent}]"]
-        # How it is found if not given says nothing here, where it is given.
-        meaning = re.sub(r";[^;]*if not given\.$", ".", " ".join(meanings[key].split()))
-        lines += _comment(meaning + more.get(key, ""))
-        item = list(value) if isinstance(value, tuple) else value
-        lines.append(f"{last} = {tomlkit.item(item).as_string()}")
-    return "\n".join(lines) + "\n"
-
+WORTH_CHANGING = {
+    "": ("name",),
+    "robot": ("mjcf", "tool", "joints", "home", "packages"),
+    "task": ("coordinates",),
+    "simulation": ("timestep",),
+    "motion.0": ("duration", "period", "shape", "center", "size", "plane"),
+    "law": ("kind", "omega", "eta", "lead", "harmonics"),
+    "springs": ("stiffness", "equilibrium"),
+}
+"""Keys that a suggested experiment has, by their sections."""
 
 _HEADING = (
     "Written by `resonance-mj inspect --toml`: what was found, in SI units and radians. Every "
@@ -234,15 +204,9 @@ _HEADING = (
 def _comment(text: str) -> list[str]:
     return textwrap.wrap(
         " ".join(text.split()),
-        _WIDTH,
+        100,
         initial_indent="# ",
         subsequent_indent="# ",
         break_long_words=False,
         break_on_hyphens=False,
     )
-
-
-def _at(values: Any, key: str) -> Any:
-    for part in key.split("."):
-        values = values[int(part)] if part.isdigit() else values[part]
-    return values

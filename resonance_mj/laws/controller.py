@@ -58,9 +58,12 @@ def act(
     command(memory, qpos, qvel)
     if failed(memory):
         return
-    limit(own.tau, own.tau_min, own.tau_max)
-
     for j in range(own.n):
+        # Within the motors' limits; what is not a number stays so, for the check that follows.
+        if own.tau[j] < own.tau_min[j]:
+            own.tau[j] = own.tau_min[j]
+        elif own.tau[j] > own.tau_max[j]:
+            own.tau[j] = own.tau_max[j]
         speed = abs(qvel[int(own.dof_address[j])])
         spring = abs(springs.torque(k[j], offset[j], qpos[int(own.qpos_address[j])], q_c[j]))
         hardest = own.torque_limit[j]
@@ -149,17 +152,6 @@ def joint_space(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
 
 
 @step_function
-def limit(tau: np.ndarray, tau_min: np.ndarray, tau_max: np.ndarray) -> None:
-    """Keep the torque within the motors' limits."""
-    for j in range(tau.size):
-        # What is not a number stays so, for the check that follows.
-        if tau[j] < tau_min[j]:
-            tau[j] = tau_min[j]
-        elif tau[j] > tau_max[j]:
-            tau[j] = tau_max[j]
-
-
-@step_function
 def adapt(memory: np.ndarray, q: np.ndarray) -> None:
     """One explicit Euler step of (6), (7) at joint angles q (n,), within the springs' bounds."""
     own = views(memory)
@@ -168,8 +160,8 @@ def adapt(memory: np.ndarray, q: np.ndarray) -> None:
         gamma_k, gamma_qe, y = own.gamma_k[j], own.gamma_qe[j], own.y[j]
         if gamma_k == 0.0 and gamma_qe == 0.0:
             continue
-        k = own.stiffness[j] + dt * equations.stiffness_rate(gamma_k, q[j], own.q_c[j], y)
-        offset = own.offset[j] + dt * equations.offset_rate(gamma_qe, y)
+        k_rate, offset_rate = equations.spring_rates(gamma_k, gamma_qe, q[j], own.q_c[j], y)
+        k, offset = own.stiffness[j] + dt * k_rate, own.offset[j] + dt * offset_rate
         # The metric of the Lyapunov function (16); a gain of 0 stands for a very stiff direction.
         weight = max(gamma_qe, 1e-9) / max(gamma_k, 1e-9)
         own.stiffness[j], own.offset[j] = springs.nearest(

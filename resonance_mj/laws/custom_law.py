@@ -1,7 +1,5 @@
 """A law from outside: a Python file named in the experiment, run through the same callback."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import sys
@@ -61,10 +59,7 @@ def load(file: str) -> tuple[Command, Learn | None]:
         assert learn is not None
         return _learned(file, learn, cycle, experiment)
 
-    return (
-        standard if command is None else _adapted(command),
-        None if learn is None else learned,
-    )
+    return standard if command is None else _adapted(command), learned if learn else None
 
 
 def _learned(file: str, learn: Callable[..., Any], cycle: Cycle, experiment: Experiment) -> Learned:
@@ -105,11 +100,10 @@ def _fresh_modules(folder: Path) -> Iterator[None]:
     """Let what stands in a folder be imported, and anew; the process keeps what it had of it."""
 
     def inside() -> dict[str, ModuleType]:
-        files = {name: getattr(module, "__file__", None) for name, module in sys.modules.items()}
+        modules = [each for each in sys.modules.items() if each[0] != "__main__"]
+        files = [(*each, getattr(each[1], "__file__", None)) for each in modules]
         return {
-            name: sys.modules[name]
-            for name, file in files.items()
-            if file and name != "__main__" and Path(file).parent == folder
+            name: module for name, module, file in files if file and Path(file).parent == folder
         }
 
     before, path = inside(), list(sys.path)

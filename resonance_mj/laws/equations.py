@@ -60,33 +60,22 @@ def motor_torque(
 
 
 @step_function
-def stiffness_rate(gamma_k: float, q: float, q_c: float, y: float) -> float:
-    """Adaptation of a joint's stiffness k̇ = γ_k (q - q_c) y, (6).
+def spring_rates(
+    gamma_k: float, gamma_qe: float, q: float, q_c: float, y: float
+) -> tuple[float, float]:
+    """Adaptation of a joint's spring: k̇ = γ_k (q - q_c) y, (6), and d(q̄_e)/dt = -γ_qe y, (7).
 
     Args:
-        gamma_k: adaptation gain [N m/rad^3].
+        gamma_k: adaptation gain of the stiffness [N m/rad^3].
+        gamma_qe: of the offset torque [N m/rad].
         q: joint angle [rad].
         q_c: centre of the regressor [rad].
         y: error signal (8) [rad/s].
 
     Returns:
-        k̇ [N m/rad/s].
+        k̇ [N m/rad/s] and d(q̄_e)/dt [N m/s].
     """
-    return gamma_k * (q - q_c) * y
-
-
-@step_function
-def offset_rate(gamma_qe: float, y: float) -> float:
-    """Adaptation of a joint's offset torque d(q̄_e)/dt = -γ_qe y, (7).
-
-    Args:
-        gamma_qe: adaptation gain [N m/rad].
-        y: error signal (8) [rad/s].
-
-    Returns:
-        d(q̄_e)/dt [N m/s].
-    """
-    return -gamma_qe * y
+    return gamma_k * (q - q_c) * y, -gamma_qe * y
 
 
 @step_function
@@ -138,12 +127,7 @@ def error_transpose(
 ) -> None:
     """Error signal y = Jᵀ (Δẋ + α s(Δx)): (8) with Jᵀ in place of J⁻¹, Sec. VI-C.
 
-    Args:
-        J: task Jacobian (m, n).
-        rate: Δẋ (m,) [m/s].
-        alpha: weight of the position error [1/s].
-        s: s(Δx) (m,) [m].
-        out: receives y (n,) [m^2/s].
+    Arguments as in `error_inverse`, for a J of any shape (m, n); y in [m^2/s].
     """
     for j in range(out.size):
         out[j] = 0.0
@@ -168,35 +152,20 @@ def error_damped(
     as its manipulability sqrt(det J Jᵀ) falls to 0. p is the drift of the posture, which
     motion of the joints that does not move the tool takes back.
 
-    Args:
-        J: task Jacobian (m, n).
-        rate: Δẋ (m,) [m/s, rad/s].
-        alpha: weight of the position error [1/s].
-        s: s(Δx) (m,) [m, rad].
+    Args as in `error_inverse`, for a J (m, n), and:
         drift: p = q̇ + α₀ (q - q_home) (n,) [rad/s].
         usual: manipulability below which the damping grows.
         work: scratch (m + 1, m).
-        out: receives y (n,) [rad/s].
     """
     m, n = s.size, out.size
-    trace = 0.0
     for i in range(m):
         work[m, i] = rate[i] + alpha * s[i]
         for j in range(n):
             work[m, i] -= J[i, j] * drift[j]
-        for k in range(i + 1):
-            work[i, k] = 0.0
-            for j in range(n):
-                work[i, k] += J[i, j] * J[k, j]
-        trace += work[i, i]
-    scale = trace / m
+    scale = _square(J, work) / m
     manipulability = _factorise(work, m, 1e-10 * scale)
     if manipulability < usual:
-        for i in range(m):
-            for k in range(i + 1):
-                work[i, k] = 0.0
-                for j in range(n):
-                    work[i, k] += J[i, j] * J[k, j]
+        _square(J, work)
         lack = 1.0 - manipulability / usual
         _factorise(work, m, (1e-10 + 1e-2 * lack * lack) * scale)
     for i in range(m):
@@ -211,6 +180,19 @@ def error_damped(
         out[j] = drift[j]
         for i in range(m):
             out[j] += J[i, j] * work[m, i]
+
+
+@step_function
+def _square(J: np.ndarray, out: np.ndarray) -> float:
+    """J Jᵀ, its lower half (m, m) to `out`; returns its trace."""
+    trace = 0.0
+    for i in range(J.shape[0]):
+        for k in range(i + 1):
+            out[i, k] = 0.0
+            for j in range(J.shape[1]):
+                out[i, k] += J[i, j] * J[k, j]
+        trace += out[i, i]
+    return trace
 
 
 @step_function

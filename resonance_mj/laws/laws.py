@@ -1,8 +1,7 @@
 """The laws that an experiment can name: what each does at a step, learns from a cycle, is told."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -52,14 +51,19 @@ def all_torque(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     return Learned(_learned_torque(cycle, gains), cycle.springs)
 
 
-def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
-    """(9), (10): what a spring could exert is not learned, and left to (6), (7) to find."""
-    return _printed(cycle, cycle.q, gains, experiment)
-
-
-def as_printed_in_joint_space(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
-    """(9), (10) with the desired joint angles q_d in place of q, as in [4] (Sec. IV-C)."""
-    return _printed(cycle, cycle.q_desired, gains, experiment)
+def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment, q: str = "q") -> Learned:
+    """(9), (10) along q: what a spring could exert is not learned, and left to (6), (7) to find."""
+    law, mean = experiment.law, cycle.q.mean(axis=0)
+    u = learning.learn(
+        cycle.u,
+        cycle.y,
+        getattr(cycle, q),
+        gain=gains.learning,
+        q_s=mean if law.q_s == "running" else cycle.q_s,
+        lead=gains.lead,
+        harmonics=gains.harmonics,
+    )
+    return Learned(u, cycle.springs.about(mean) if law.q_c == "running" else cycle.springs)
 
 
 def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
@@ -76,28 +80,14 @@ def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
     return np.clip(v, *gains.torque_limit.T)
 
 
-def _printed(cycle: Cycle, q: np.ndarray, gains: Gains, experiment: Experiment) -> Learned:
-    mean = cycle.q.mean(axis=0)
-    u = learning.learn(
-        cycle.u,
-        cycle.y,
-        q,
-        gain=gains.learning,
-        q_s=mean if experiment.law.q_s == "running" else cycle.q_s,
-        lead=gains.lead,
-        harmonics=gains.harmonics,
-    )
-    runs = experiment.law.q_c == "running"
-    return Learned(u, cycle.springs.about(mean) if runs else cycle.springs)
-
+# Along the desired joint angles, as in [4] (Sec. IV-C).
+_in_joint_space = partial(as_printed, q="q_desired")
 
 LAWS: dict[str, Law] = {
     "feedback": Law(standard, nothing),
     "learning": Law(standard, all_torque),
     "fixed": Law(standard, all_torque, told=("springs",)),
-    "joint-space": Law(
-        joint_space, as_printed_in_joint_space, adapts=("gamma_k",), told=("joints",)
-    ),
+    "joint-space": Law(joint_space, _in_joint_space, adapts=("gamma_k",), told=("joints",)),
     "paper": Law(standard, as_printed, adapts=("gamma_k", "gamma_qe")),
     "transfer": Law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe")),
     "computed-torque": Law(joint_space, nothing, told=("joints", "springs", "torque")),

@@ -1,7 +1,5 @@
 """Learning between two cycles: (9), (10) and the spring transfer, on whole arrays in NumPy."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -11,8 +11,6 @@ Between cycles the blocks of all robots are a `Memory`; a control step sees its 
 it: `own.tau_min[j]`, `own.alpha`.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from dataclasses import dataclass

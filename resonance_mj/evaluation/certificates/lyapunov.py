@@ -5,8 +5,6 @@ V is half of (16), with Δq̄_eᵀ Γ_qe⁻¹ Δq̄_e as its last term: the deri
 yᵀ R y / 2: V is positive for any gains. docs/certificates.md derives it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -49,19 +47,10 @@ def balance(cycle: Cycle, best: Optimum, plan: Plan) -> Balance:
     wanted = best.torque_without_springs - spring.torque(k, offset, best.q, cycle.center)
     du = cycle.u - wanted
     y = np.roll(cycle.y, -gains.lead, axis=0)
-    begin, end = (
-        spring_energy(a - k, b - offset, gamma_k, gamma_qe)
-        for a, b in (
-            (cycle.stiffness[0], cycle.offset[0]),
-            (cycle.last_stiffness, cycle.last_offset),
-        )
-    )
-    motion = motion_energy(
-        cycle.y[0],
-        plan.kinematics.inertia(cycle.q[0]),
-        cycle.x[0] - cycle.x_desired[0],
-        gains.k_p + gains.alpha * gains.k_v,
-    )
+    begin = spring_energy(cycle.stiffness[0] - k, cycle.offset[0] - offset, gamma_k, gamma_qe)
+    end = spring_energy(cycle.last_stiffness - k, cycle.last_offset - offset, gamma_k, gamma_qe)
+    inertia, error = plan.kinematics.inertia(cycle.q[0]), cycle.x[0] - cycle.x_desired[0]
+    motion = motion_energy(cycle.y[0], inertia, error, gains.k_p + gains.alpha * gains.k_v)
     stored = float((du * np.linalg.solve(gains.learning, du.T).T).sum() * dt)
     return Balance(
         number=cycle.number,

@@ -1,7 +1,5 @@
 """What is left over of (9), (11) and (12), as a share of a torque per joint: 0 where they hold."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

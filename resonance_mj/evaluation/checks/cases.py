@@ -1,17 +1,15 @@
 """Experiment files under test: those that hold [expect], found, read and held against the robot."""
 
-from __future__ import annotations
-
 import os
 import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ... import library
 from ...errors import ExperimentError
-from ...experiments.expectations import Expected
+from ...experiments.expectations import OfMotion
 from ...experiments.experiment import Experiment
 from ...experiments.loading import find, load
 from ...text import listed, nearest, shown
@@ -100,7 +98,10 @@ def fit(experiment: Experiment, joints: Sequence[str], source: str) -> None:
             f"{source}: expect.motion has {given} tables, and there are {motions} motions: give a "
             "table [[expect.motion]] for each motion, in order, empty where nothing is expected"
         )
-    for key, expected in _of_joints(experiment):
+    tables: list[tuple[str, OfMotion]] = [("expect", experiment.expect)]
+    tables += [(f"expect.motion.{i}", one) for i, one in enumerate(experiment.expect.motion)]
+    each = [(f"{key}.{name}", one) for key, of in tables for name, one in of.figures().items()]
+    for key, expected in each:
         unknown = next((name for name in expected.joints or () if name not in joints), None)
         if unknown is not None:
             raise ExperimentError(
@@ -114,13 +115,3 @@ def fit(experiment: Experiment, joints: Sequence[str], source: str) -> None:
                 f"{source}: {key}.value = {shown(expected.value)}: {len(expected.value)} numbers "
                 f"for {len(meant)} joints; give one for each of {listed(meant)}, or one for all"
             )
-
-
-def _of_joints(experiment: Experiment) -> Iterator[tuple[str, Expected]]:
-    """Every expectation, with its dotted key."""
-    expect = experiment.expect
-    for name, expected in expect.figures().items():
-        yield f"expect.{name}", expected
-    for index, motion in enumerate(expect.motion):
-        for name, expected in motion.figures().items():
-            yield f"expect.motion.{index}.{name}", expected

@@ -1,7 +1,5 @@
 """Judge a run by what its experiment expects of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -76,24 +74,22 @@ def judge(run: Run) -> list[Judgement]:
         A judgement for each expectation of each motion and joint, the status of the run first.
     """
     expect = run.experiment.expect
-    found = [_status(run, "expect.status", 0, expect.status)]
-    for index in range(len(run.experiment.motion)):
+    found = [_status("expect.status", 0, expect.status, run.status)]
+    for index, motion in enumerate(run.experiment.motion):
         found += _of_motion(run, "expect", index + 1, expect)
         if expect.motion:
             own, key = expect.motion[index], f"expect.motion.{index}"
             if own.status is not None:
-                found.append(_status(run, f"{key}.status", index + 1, own.status))
+                # A motion is ok if it was simulated whole and the tool follows.
+                made = run.motions[index]
+                whole = len(made.cycles) == motion.cycles
+                ended = Status.OK if whole and made.tracks[-1] else run.status
+                found.append(_status(f"{key}.status", index + 1, own.status, ended))
             found += _of_motion(run, key, index + 1, own)
     return found
 
 
-def _status(run: Run, key: str, motion: int, expected: Status) -> Judgement:
-    """The status of the run, or of a motion: ok if it was simulated whole and the tool follows."""
-    found = run.status
-    if motion:
-        made = run.motions[motion - 1]
-        whole = len(made.cycles) == run.experiment.motion[motion - 1].cycles
-        found = Status.OK if whole and made.tracks[-1] else run.status
+def _status(key: str, motion: int, expected: Status, found: Status) -> Judgement:
     words = Band(str(expected), False, math.nan, math.nan)
     return Judgement(key, motion, "status", "", "", words, str(found), np.empty(0))
 
@@ -108,7 +104,7 @@ def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Ju
         joints = expected.joints or names if figure in PER_JOINT else [""]
         for row, joint in enumerate(joints):
             j = names.index(joint) if joint else ...
-            of = course[:, j] if joint else course
+            of = course[:, j]
             found = motion.cycles_to_optimum if figure == "cycles_to_optimum" else _last(of)
             yield Judgement(
                 key=f"{key}.{figure}",
@@ -116,7 +112,7 @@ def _of_motion(run: Run, key: str, number: int, expect: OfMotion) -> Iterator[Ju
                 figure=figure,
                 joint=joint,
                 unit=OF_SLIDES.get(unit, unit) if joint and slides[j] else unit,
-                band=_band(_of_joint(expected, row), best, near.get(figure), j),
+                band=_band(expected, row, best, near.get(figure), j),
                 found=found,
                 history=of,
                 why=_why_none(motion, figure) if found is None else "",
@@ -159,18 +155,16 @@ def _near(motion: MotionOfRun) -> dict[str, Any]:
     torque = OF_TORQUE * math.sqrt(motion.torque_squared_without_springs)
     k, offset = np.abs(motion.stiffness_optimal), np.abs(motion.offset_optimal)
     push = np.maximum(OF_SPRING * offset, torque)
-    return {
-        "stiffness": np.maximum(OF_SPRING * k, _over(torque, _swing(motion))),
-        "offset": push,
-        "equilibrium": _over(push, k),
-        "torque_reduction": OPTIMUM_BAND * (1 - motion.torque_reduction_optimal),
-    }
-
-
-def _over(of: float | np.ndarray, by: np.ndarray) -> np.ndarray:
-    """A quotient (n,) that is infinite over 0, and 0 of nothing."""
+    # What is divided by 0 is infinite, and nothing is 0.
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(of == 0, 0.0, of / by)
+        return {
+            "stiffness": np.maximum(
+                OF_SPRING * k, np.where(torque == 0, 0.0, torque / _swing(motion))
+            ),
+            "offset": push,
+            "equilibrium": np.where(push == 0, 0.0, push / k),
+            "torque_reduction": OPTIMUM_BAND * (1 - motion.torque_reduction_optimal),
+        }
 
 
 def _swing(motion: MotionOfRun) -> np.ndarray:
@@ -181,29 +175,22 @@ def _swing(motion: MotionOfRun) -> np.ndarray:
     return last.std(axis=0) if len(whole) else np.full(len(motion.stiffness_optimal), np.nan)
 
 
-def _of_joint(expected: Expected, row: int) -> Expected:
-    """An expectation of joints, for one of them."""
-    if isinstance(expected.value, tuple):
-        return expected.model_copy(update={"value": expected.value[row]})
-    return expected
-
-
-def _band(expected: Expected, best: Any, near: Any, j: Any) -> Band:
+def _band(expected: Expected, row: int, best: Any, near: Any, j: Any) -> Band:
     """What passes, with the optimum's value and the tolerance that it has if none is given.
 
     Args:
-        expected: of one figure and joint.
+        expected: of one figure.
+        row: of its joints, the one.
         best: of the optimum (n,) or ().
         near: tolerance where none is given, likewise.
-        j: number of the joint; ... for what has none.
+        j: number of the joint in the arm; ... for what has none.
     """
-    if expected.value is None:
-        low, high = expected.min, expected.max
-        return Band(
-            None, False, -math.inf if low is None else low, math.inf if high is None else high
-        )
-    optimal = expected.value == "optimal"
-    value = float(np.asarray(best)[j] if optimal else expected.value)  # type: ignore[arg-type]
+    given = expected.value[row] if isinstance(expected.value, tuple) else expected.value
+    if given is None:
+        low = -math.inf if expected.min is None else expected.min
+        return Band(None, False, low, math.inf if expected.max is None else expected.max)
+    optimal = given == "optimal"
+    value = float(np.asarray(best)[j]) if optimal else float(given)
     if expected.abs is None and expected.rel is None:
         tolerance = float(np.asarray(near)[j])
     else:

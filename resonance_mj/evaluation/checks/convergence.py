@@ -1,7 +1,5 @@
 """How a figure that missed its expectation went from cycle to cycle: in words and as a plot."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 
@@ -21,7 +19,10 @@ PACE = 5
 def explain(missed: Judgement) -> str:
     """What was found, how far off it is, in which cycle it would have passed, and a plot."""
     band, course = missed.band, missed.history
-    lines = [f"{title(missed)}: found {number(missed.found, band)}, expected {wanted(band)}"]
+    where = f"motion {missed.motion}, " if missed.motion else ""
+    within = f" ± {tolerance(band)}" if tolerance(band) else ""
+    found = f"found {number(missed.found, band)}, expected {expected(band)}{within}"
+    lines = [f"{where}{figure(missed)}: {found}"]
     if missed.why:
         lines[0] += f": {missed.why}"
     if missed.figure == "cycles_to_optimum":
@@ -63,22 +64,10 @@ def provenance(versions: Mapping[str, str], present: Mapping[str, str]) -> str:
     )
 
 
-def title(judgement: Judgement) -> str:
-    """Which figure of which motion it is."""
-    where = f"motion {judgement.motion}, " if judgement.motion else ""
-    return where + figure(judgement)
-
-
 def figure(judgement: Judgement) -> str:
     """Which figure it is, of which joint, with its unit."""
     unit = f"[{judgement.unit}]" if judgement.unit else ""
     return " ".join(filter(None, (judgement.figure, judgement.joint, unit)))
-
-
-def wanted(band: Band) -> str:
-    """The expected value with its tolerance, or the bounds."""
-    within = tolerance(band)
-    return expected(band) + (f" ± {within}" if within else "")
 
 
 def expected(band: Band) -> str:
@@ -106,12 +95,11 @@ def number(value: float | str | None, band: Band) -> str:
     if value is None or math.isnan(value):
         return "none"
     width = (band.high - band.low) / 2
-    if math.isfinite(width) and width > 0:
-        decimals = max(0, 1 - math.floor(math.log10(width)))
-        if decimals <= 9:
-            text = f"{value:.{decimals}f}"
-            return text if float(text) else text.removeprefix("-")
-    return f"{value or 0.0:.6g}"
+    decimals = max(0, 1 - math.floor(math.log10(width))) if 0 < width < math.inf else math.inf
+    if decimals > 9:
+        return f"{value or 0.0:.6g}"
+    text = f"{value:.{decimals}f}"
+    return text if float(text) else text.removeprefix("-")
 
 
 def distance(found: float, band: Band) -> str:
@@ -143,20 +131,17 @@ def when(course: np.ndarray, band: Band) -> str:
         return f"it would have passed in none of the {len(course)} cycles"
     nearest = int(np.nanargmin(off)) + 1
     text = f"it would have passed in none of the {len(course)} cycles, nearest in cycle {nearest}"
-    later = _passes_at_this_pace(course, band)
-    return text + (f"; by the pace of its last cycles it will in about cycle {later}" * bool(later))
-
-
-def _passes_at_this_pace(course: np.ndarray, band: Band) -> int | None:
-    """Cycle in which a figure that nears its value geometrically is within the band."""
     if not isinstance(band.expected, float) or len(course) <= PACE:
-        return None
-    error = np.abs(course - band.expected)
-    before, now, width = float(error[-1 - PACE]), float(error[-1]), band.high - band.expected
+        return text
+    # A figure that nears its value geometrically goes on at the pace of its last cycles.
+    before, now = (abs(float(course[at]) - band.expected) for at in (-1 - PACE, -1))
+    width = band.high - band.expected
     if not (0 < width < now < before):
-        return None
+        return text
     later = len(course) + PACE * math.log(width / now) / math.log(now / before)
-    return math.ceil(later) if later < 10 * len(course) else None
+    if later >= 10 * len(course):
+        return text
+    return f"{text}; by the pace of its last cycles it will in about cycle {math.ceil(later)}"
 
 
 def plot(course: np.ndarray, band: Band) -> list[str]:
@@ -186,12 +171,9 @@ def plot(course: np.ndarray, band: Band) -> list[str]:
     for column in range(columns):
         # Of the cycles that share a column the last is drawn.
         value = course[(column + 1) * len(course) // columns - 1]
-        if value > high:
-            grid[0][column] = "^"
-        elif value < low:
-            grid[-1][column] = "v"
-        elif math.isfinite(value):
-            grid[row(value)][column] = "*"
+        if not math.isnan(value):
+            mark = "^" if value > high else "v" if value < low else "*"
+            grid[row(min(max(value, low), high))][column] = mark
     labels = {row(end): f"{end:.4g}" for end in (low, high, *ends)}
     margin = max(map(len, labels.values()))
     lines = [f"{labels.get(i, ''):>{margin}} |{''.join(grid[i])}" for i in range(HEIGHT)]

@@ -1,7 +1,5 @@
 """Rewrite the numbers that a file expects and its run misses, and nothing else of the file."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import os
@@ -42,20 +40,21 @@ class Update:
         self.path = path.resolve()
         self.before = path.read_bytes().decode("utf-8")
         document = tomlkit.parse(self.before)
-        numbers = _missed_numbers(judgements)
-        for key, found in numbers.items():
+        numbers: dict[str, list[Judgement]] = {}
+        for one in filter(is_number, judgements):
+            numbers.setdefault(one.key, []).append(one)
+        missed = {k: found for k, found in numbers.items() if not all(o.passed for o in found)}
+        for key, found in missed.items():
             parent: Any = document
             for part in key.split("."):
                 parent = parent[int(part) if part.isdigit() else part]
             _rewrite(parent, found, f"{path}: {key}")
-        self.after = _with_versions(document, run.versions) if numbers else self.before
+        self.after = _with_versions(document, run.versions) if missed else self.before
 
     def differences(self) -> list[str]:
         """The lines that change, as a unified diff; none if nothing does."""
-        before, after, name = self.before.splitlines(), self.after.splitlines(), str(self.path)
-        return list(
-            difflib.unified_diff(before, after, name, f"{name} (updated)", lineterm="", n=1)
-        )
+        texts, name = (self.before.splitlines(), self.after.splitlines()), str(self.path)
+        return list(difflib.unified_diff(*texts, name, f"{name} (updated)", lineterm="", n=1))
 
     def write(self) -> None:
         """Replace the file, if anything changes; its owner and mode stay.
@@ -90,24 +89,14 @@ def _with_versions(document: tomlkit.TOMLDocument, versions: Mapping[str, str]) 
     return f"{text[:end]}versions = {recorded.as_string()}{header[1]}{text[end:]}"
 
 
-def _missed_numbers(judgements: list[Judgement]) -> dict[str, list[Judgement]]:
-    """Keys of expected numbers that were missed, and what was found for each joint and motion."""
-    numbers: dict[str, list[Judgement]] = {}
-    for one in filter(is_number, judgements):
-        numbers.setdefault(one.key, []).append(one)
-    return {key: found for key, found in numbers.items() if not all(one.passed for one in found)}
-
-
 def _rewrite(table: Any, found: list[Judgement], where: str) -> None:
     """Write what was found into a table { value, abs, rel }."""
-    joints = list(dict.fromkeys(one.joint for one in found))
-    new = []
-    for joint in joints:
-        mine = [one for one in found if one.joint == joint]
-        for one in mine:
-            if not isinstance(one.found, int | float) or not math.isfinite(one.found):
-                raise ExperimentError(f"{where}: motion {one.motion} has no such number: {one.why}")
-        new.append(_one_for_all(table, mine, where))
+    of_joints: dict[str, list[float]] = {}
+    for one in found:
+        if not isinstance(one.found, int | float) or not math.isfinite(one.found):
+            raise ExperimentError(f"{where}: motion {one.motion} has no such number: {one.why}")
+        of_joints.setdefault(one.joint, []).append(one.found)
+    new = [_one_for_all(table, values, where) for values in of_joints.values()]
     old = table["value"]
     if isinstance(old, list):
         for index, value in enumerate(new):
@@ -117,9 +106,8 @@ def _rewrite(table: Any, found: list[Judgement], where: str) -> None:
         table["value"] = new[0] if len(set(new)) == 1 else new
 
 
-def _one_for_all(table: Any, found: list[Judgement], where: str) -> float | int:
+def _one_for_all(table: Any, values: list[float], where: str) -> float | int:
     """The number found, with the digits that its tolerance is worth."""
-    values = [one.found for one in found if isinstance(one.found, int | float)]
     middle = (min(values) + max(values)) / 2
     width = max(table.get("abs", 0.0), table.get("rel", 0.0) * abs(middle))
     if max(values) - middle > width:

@@ -1,7 +1,5 @@
 """Whether learning a motion will diverge: what grows, how fast, until when; what would not."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +8,9 @@ from ...experiments.experiment import Experiment
 from ...motions.kinematics import JointMotion, Kinematics
 from ...springs.optimum import Optimum
 from ..gains import Gains
-from . import onset, sampled_loop
+from . import onset
 from .onset import Onset
+from .sampled_loop import SampledLoop, along
 from .stability import examined, learning_loop
 
 POSES = 20
@@ -67,9 +66,11 @@ def divergences(
     ):
         begun = np.concatenate([joints.q[0], joints.dq[0]])
         jump = None if motion.blend else start - begun
+        poses = joints.q[np.arange(POSES) * len(joints.q) // POSES]
         # Gains beyond all bounds overflow, and are above every limit all the same.
         with np.errstate(over="ignore", invalid="ignore"):
-            why = _of_motion(experiment, loaded, gains, joints, best, q_c, jump)
+            arm = along(experiment, loaded, gains, poses, stiffness=best.stiffness, q_c=q_c)
+            why = _of_motion(arm, gains, best, jump)
         if why:
             # A passage into the motion teaches nothing.
             cycle = why.onset.cycle + motion.blend
@@ -80,21 +81,11 @@ def divergences(
 
 
 def _of_motion(
-    experiment: Experiment,
-    kinematics: Kinematics,
-    gains: Gains,
-    joints: JointMotion,
-    best: Optimum,
-    q_c: np.ndarray,
-    jump: np.ndarray | None,
+    arm: SampledLoop, gains: Gains, best: Optimum, jump: np.ndarray | None
 ) -> Divergence | None:
-    steps, lead, kept = len(joints.q), gains.lead, gains.harmonics
-    poses = joints.q[np.arange(POSES) * steps // POSES]
-    arm = sampled_loop.along(
-        experiment, kinematics, gains, poses, stiffness=best.stiffness, q_c=q_c
-    )
     if not arm.stable:
         return None
+    steps, lead, kept = len(best.torque), gains.lead, gains.harmonics
     loop = learning_loop(arm, gains.learning, steps, examined(steps, kept))
     margin = loop.margin(lead, kept)
     if margin >= 1:

@@ -8,8 +8,6 @@ the arm has there. Elsewhere there are rounding errors only. Low harmonics are i
 that the motion needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import NamedTuple

@@ -10,8 +10,6 @@
 MuJoCo's integrator makes of it x(t+Δt) = A x(t) + B u(t), with u held over the time step.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -8,23 +8,11 @@ where y = G u is the response of the sampled arm under its feedback, and δ the 
 grows if |1 - μ| > 1 for an eigenvalue μ of β G e^{jωδΔt}. Another β multiplies μ by some s, and
 |1 - s μ| > 1 from s = 2 Re μ / |μ|² on: the gain margin.
 
-The arm moves while it answers, and this is how poses are put together:
-
-- Far above the motion's own frequencies y answers u while the pose is still the same. A packet of
-  such waves stays where it is in the cycle, and is multiplied by P of the pose there, cycle after
-  cycle. Nothing is averaged, and the worst pose decides.
-- Low harmonics last longer than a pose. u = Σ U_h e^{jhΩt} gives y(t) = Σ G_t(h) U_h e^{jhΩt}, with
-  G_t of the pose at t, whose Fourier coefficients over the cycle couple the harmonics:
-  Y_h = Σ Ĝ_{h-h'}(h') U_h'. The eigenvalues of this matrix decide.
-
-Note:
-    In both, y at t is that of an arm which has always been in the pose of t. This is an
-    approximation, good where the arm forgets, under its feedback, faster than the motion changes
-    the pose. (10), which takes one direction per joint out of the learned torque, is left out, and
-    so is what `sampled_loop` leaves out.
+The arm moves while it answers. Far above the motion's own frequencies a packet of waves stays where
+it is in the cycle and is multiplied by P of the pose there: the worst pose decides. Low harmonics
+last longer than a pose; G_t of the pose at t couples them, Y_h = Σ Ĝ_{h-h'}(h') U_h', and the
+eigenvalues of this matrix decide. docs/stability.md derives both, and says what is left out.
 """
-
-from __future__ import annotations
 
 from bisect import bisect_left
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The laws that users compare, on one experiment: how good each is, and whether it lasts."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
@@ -12,14 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ...errors import ExperimentError
-from ...experiments.experiment import Experiment
-from ...files import replacing, writable
-from ...results import metrics
-from ...results.motions import MotionOfRun
-from ...results.run import Run, Status, finite
-from ...simulation.simulation import Progress, simulate_many
-from .contenders import contending
+from ..errors import ExperimentError
+from ..experiments.experiment import Experiment
+from ..files import replacing, writable
+from ..results import metrics
+from ..results.motions import MotionOfRun
+from ..results.run import Run, Status, finite
+from ..robots.robot import build
+from ..simulation.simulation import Progress, simulate_many
 
 SHORTEST = 20
 """Fewest cycles of the last motion that say whether a law lasts."""
@@ -29,6 +27,75 @@ STEADY = 0.05
 
 OF_SUMMARY = ("torque_reduction", "torque_reduction_optimal", "cycles_to_optimum", "tracking_rms")
 """What a row has of a run's summary."""
+
+Changes = dict[str, Any]
+
+STIFFNESS_RATE, OFFSET_RATE = 200.0, 500.0
+"""Γ_k and Γ_qe per inertia [1/(rad² s²), 1/s²], where none are given: the paper's on its arm."""
+
+BETA = 10.0
+"""Learning gain of the transfer for K_v of the paper's size [N m s/rad]."""
+
+
+class Contender(NamedTuple):
+    """A law to compare: its name, also of its folder, and what differs from an experiment's."""
+
+    name: str
+    title: str
+    changes: Changes
+
+
+NO_SPRINGS: Changes = {"springs.initial_stiffness": 0.0, "springs.initial_equilibrium": 0.0}
+FOUND: Changes = {"law.lead": None, "law.harmonics": None}
+PRINTED: Changes = {
+    "law.kind": "paper", "law.lead": 0, "law.harmonics": None, "law.jacobian": None
+}  # fmt: skip
+JOINT_SPACE: Changes = {
+    "law.kind": "joint-space",
+    "law.q_c": "mean",
+    "law.q_s": "mean",
+    "springs.initial_equilibrium": 0.0,
+}
+TRANSFER: Changes = {
+    "law.kind": "transfer", "law.lead": 2, "law.gamma_k": 0.0, "law.gamma_qe": 0.0
+}  # fmt: skip
+
+CONTENDERS = (
+    Contender("feedback", "feedback only", {"law.kind": "feedback", **NO_SPRINGS}),
+    Contender("learning", "learning only", {"law.kind": "learning", **NO_SPRINGS, **FOUND}),
+    Contender("fixed", "optimal springs", {"law.kind": "fixed", **FOUND}),
+    Contender("joint-space", "joint space", PRINTED | JOINT_SPACE),
+    Contender("printed", "as printed", PRINTED),
+    Contender("printed-transpose", "as printed, Jᵀ", PRINTED | {"law.jacobian": "transpose"}),
+    Contender("printed-lead", "as printed, lead 1", PRINTED | {"law.lead": 1}),
+    Contender("transfer", "transfer", PRINTED | TRANSFER),
+    Contender("computed-torque", "computed torque", {"law.kind": "computed-torque"}),
+)
+"""What is compared, from the law that knows least to the one that knows all."""
+
+
+def contending(experiment: Experiment) -> list[tuple[Contender, Experiment]]:
+    """The experiment under each law, with gains that fit it where it has none of the law's kind.
+
+    The transfer has the experiment's own settings where that is its law; a law of the user's own is
+    compared as well.
+    """
+    law, found = experiment.law, []
+    adapts = np.any(law.gamma_k) or np.any(law.gamma_qe)
+    inertia = np.zeros(0) if adapts else np.diag(build(experiment).inertia)
+    for one in CONTENDERS:
+        changes = dict(one.changes)
+        if changes["law.kind"] in ("paper", "joint-space") and not adapts:
+            changes["law.gamma_k"] = (STIFFNESS_RATE * inertia).tolist()
+            changes["law.gamma_qe"] = (OFFSET_RATE * inertia).tolist()
+        if changes["law.kind"] == "transfer":
+            changes["law.beta"] = None if law.k_v is None else BETA
+            if law.kind == "transfer":
+                changes = {}
+        found.append((one, experiment.replace(changes)))
+    if law.kind.endswith(".py"):
+        found.append((Contender("own", Path(law.kind).name, {}), experiment))
+    return found
 
 
 class Verdict(NamedTuple):
@@ -172,11 +239,9 @@ def compare(
             f"long = {long}: 0 for no long run, or at least {SHORTEST} cycles of the last motion"
         )
     laws, each = zip(*contending(experiment), strict=True)
-    last, names = len(experiment.motion) - 1, [law.name for law in laws]
-    lasting = {
-        f"motion.{last}.duration": long * experiment.motion[last].period,
-        "simulation.samples": 1,
-    }
+    duration = f"motion.{len(experiment.motion) - 1}.duration"
+    lasting = {duration: long * experiment.motion[-1].period, "simulation.samples": 1}
+    names = [law.name for law in laws]
     longer = [one.replace(lasting) for one in each] if long else []
     runs = simulate_many([*each, *longer], threads=threads, progress=progress)
     return Comparison(

@@ -1,1 +1,0 @@
-"""The laws that users compare, on one experiment."""
