@@ -12,8 +12,9 @@ from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
 from ..robots.touching import touching
+from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum
-from ..text import length, percent
+from ..text import joined, length, percent
 
 NEAR_SINGULAR = 0.05
 """Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
@@ -58,6 +59,14 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
         said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
     return said
+
+
+def held(robot: Robot, springs: LinearSprings | None) -> list[str]:
+    """Which springs hold the arm at home from the first step, a line if any does."""
+    if springs is None:
+        return []
+    names = [joint for joint, k in zip(robot.joints, springs.stiffness, strict=True) if k]
+    return [f"springs hold {joined(names)} at home from the first step: motors alone hardly could"]
 
 
 def unstable(

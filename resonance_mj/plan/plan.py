@@ -24,8 +24,10 @@ from ..motions.kinematics import JointMotion, Kinematics
 from ..robots import source
 from ..robots.robot import Robot, build
 from ..robots.warned import heard
+from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from . import notes
+from .holding import holding
 from .inputs import Input, gather
 
 T = TypeVar("T")
@@ -93,6 +95,11 @@ class Plan:
     def q_c(self) -> np.ndarray:
         """Centre of the springs' regressor (n,) [rad]; "mean" is that of the first motion."""
         return self._center(self.experiment.law.q_c)
+
+    @cached_property
+    def holding(self) -> LinearSprings | None:
+        """Springs that hold the arm at home from the first step; None where its motors can."""
+        return holding(self.experiment, self.loaded[0], self.q_c)
 
     @cached_property
     def q_s(self) -> np.ndarray:
@@ -223,7 +230,8 @@ class Plan:
             limited=bool(self.robot.limited.any()),
         )
         before = notes.before(self.loaded, self.joints, self.optima)
-        return (*self.robot.notes, *given, *before, *self.unstable)
+        held = notes.held(self.robot, self.holding)
+        return (*self.robot.notes, *given, *before, *held, *self.unstable)
 
     def _follow(self) -> list[JointMotion]:
         experiment, start, found = self.experiment, self.robot.home, []

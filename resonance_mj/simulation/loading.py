@@ -66,6 +66,9 @@ def _first_springs(plan: Plan) -> LinearSprings:
     k = np.asarray(bounds.initial_stiffness, float)
     if adapts:
         k = np.where(k == 0.0, np.clip(k, *bounds.stiffness), k)
+    if plan.holding is not None:
+        k = np.where(plan.holding.stiffness > 0, plan.holding.stiffness, k)
+        return LinearSprings(k, plan.holding.offset, plan.q_c)
     q_c, (low, high) = plan.q_c, reach(bounds, plan.q_c)
     # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
     if adapts == ("gamma_k",):
