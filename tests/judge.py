@@ -1,0 +1,150 @@
+"""What a run really came to: in plain MuJoCo, NumPy and SciPy, from q, tau and x_desired alone.
+
+None of the figures that the program reports are read: the tool's path is MuJoCo's kinematics of the
+recorded joint angles, the torque that a motion needs is MuJoCo's inverse dynamics without contacts
+and joint limits, and the best springs are a bounded least squares of SciPy's.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.optimize import nnls
+
+import resonance_mj as rmj
+
+REACH = np.pi
+"""Default bound of the equilibrium angle about the mean joint angle, |q_e - q_c| [rad]."""
+
+NEAR_OPTIMUM, OF_TORQUE = 0.02, 1e-3
+"""How far torque² may be from the optimum: of the optimum, or of torque² without springs."""
+
+MOST_RMS, OF_PATH = 1.5e-3, 0.02
+"""How far the tool may be from its path, RMS: in metres, and of the path's size."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The last cycle of a run, as somebody else would measure it.
+
+    Attributes:
+        rms: distance of the tool from its path [m].
+        size: largest extent of the path along an axis [m].
+        torque_squared: mean of tau^T tau [N² m²].
+        optimum: its least value with constant springs within the bounds.
+        without: its value without springs.
+    """
+
+    rms: float
+    size: float
+    torque_squared: float
+    optimum: float
+    without: float
+
+    @property
+    def tracks(self) -> bool:
+        return self.rms <= min(MOST_RMS, OF_PATH * self.size)
+
+    @property
+    def optimal(self) -> bool:
+        far = abs(self.torque_squared - self.optimum)
+        return far <= max(NEAR_OPTIMUM * self.optimum, OF_TORQUE * self.without)
+
+    @property
+    def ratio(self) -> float:
+        return self.torque_squared / self.optimum if self.optimum > 0 else np.inf
+
+
+def judge(run: rmj.Run) -> Judgement:
+    """Measure the last cycle of a run again.
+
+    The optimum is that of the desired joint motion where the task determines it, which is found by
+    Newton's method from the one made, and of the one made where the task leaves joints free.
+    """
+    data, robot = run.data, run.plan.robot
+    last = (data["cycle_of_sample"] == data.sizes["cycle"]).values
+    time, wanted = data["time"].values[last], data["x_desired"].values[last]
+    tau, made = data["tau"].values[last], data["q"].values[last]
+    lead_in = data["q"].values[np.flatnonzero(last)[0] - 2 :]
+    dt = time[1] - time[0]
+    arm = _Arm(robot)
+    positions = [axis for axis in robot.axes if axis in "xyz"]
+    rows = ["xyz".index(axis) for axis in positions]
+    x = np.array([arm.tool(q)[0][rows] for q in made])
+    miss = x - wanted[:, : len(rows)]
+    if robot.m == robot.n and not robot.rotates:
+        desired = np.array([arm.solved(q, x, rows) for q, x in zip(made, wanted, strict=True)])
+        q, dq, ddq = _derivatives(np.concatenate([desired[-2:], desired, desired[:2]]), dt)
+    else:
+        q, dq, ddq = _derivatives(lead_in, dt)
+    needed = np.array([arm.torque(*state) for state in zip(q, dq, ddq, strict=True)])
+    return Judgement(
+        rms=float(np.sqrt((miss**2).sum(axis=1).mean())),
+        size=float(np.ptp(wanted[:, : len(rows)], axis=0).max()),
+        torque_squared=float((tau**2).sum(axis=1).mean()),
+        optimum=float(sum(_left_over(q[:, j], needed[:, j]) for j in range(robot.n))),
+        without=float((needed**2).sum(axis=1).mean()),
+    )
+
+
+class _Arm:
+    """The arm's model without the springs of the run, contacts and joint limits."""
+
+    def __init__(self, robot) -> None:
+        self.model, self.robot = copy(robot.model), robot
+        off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+        self.model.opt.disableflags |= off
+        self.model.jnt_stiffness[robot.joint_id] = 0.0
+        self.data = mujoco.MjData(self.model)
+        self.data.qpos[:] = robot.qpos
+
+    def tool(self, q):
+        """Position (3,) and its Jacobian (3, n)."""
+        self.data.qpos[self.robot.qpos_address] = q
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+        jacobian = np.zeros((3, self.model.nv))
+        mujoco.mj_jacSite(self.model, self.data, jacobian, None, self.robot.site)
+        return self.data.site_xpos[self.robot.site].copy(), jacobian[:, self.robot.dof_address]
+
+    def solved(self, q, wanted, rows):
+        """Joint angles near q that put the tool where it is wanted."""
+        for _ in range(20):
+            x, jacobian = self.tool(q)
+            step = np.linalg.lstsq(jacobian[rows], wanted - x[rows], rcond=None)[0]
+            q = q + step
+            if np.abs(step).max() < 1e-13:
+                break
+        return q
+
+    def torque(self, q, dq, ddq):
+        """What motors and springs must exert together."""
+        data = self.data
+        data.qvel[:] = data.qacc[:] = 0.0
+        data.qpos[self.robot.qpos_address] = q
+        data.qvel[self.robot.dof_address] = dq
+        data.qacc[self.robot.dof_address] = ddq
+        mujoco.mj_inverse(self.model, data)
+        return data.qfrc_inverse[self.robot.dof_address].copy()
+
+
+def _derivatives(q, dt):
+    """Angles, velocities and accelerations of all samples but the two at each end."""
+    back2, back, ahead, ahead2 = q[:-4], q[1:-3], q[3:-1], q[4:]
+    here = q[2:-2]
+    velocity = (8 * (ahead - back) - (ahead2 - back2)) / (12 * dt)
+    acceleration = (16 * (ahead + back) - (ahead2 + back2) - 30 * here) / (12 * dt**2)
+    return here, velocity, acceleration
+
+
+def _left_over(q, torque) -> float:
+    """Least mean square of torque + k (q - q_c) - b with k >= 0 and |b| <= REACH k.
+
+    Such (k, b) are the sums of (1, REACH) and (1, -REACH) with weights of at least 0.
+    """
+    z = q - q.mean()
+    columns = np.stack([REACH - z, -REACH - z], axis=1)
+    return nnls(columns, torque)[1] ** 2 / len(q)
