@@ -25,6 +25,9 @@ NEAR_OPTIMUM, OF_TORQUE = 0.02, 1e-3
 MOST_RMS, OF_PATH = 1.5e-3, 0.02
 """How far the tool may be from its path, RMS: in metres, and of the path's size."""
 
+NEAR_SINGULAR = 0.05
+"""Share of the Jacobian's largest singular value below which the smallest is nearly none."""
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -36,6 +39,9 @@ class Judgement:
         torque_squared: mean of tau^T tau [N² m²].
         optimum: its least value with constant springs within the bounds.
         without: its value without springs.
+        singular: whether the arm came near a singular pose.
+        at_range: whether a joint was at or beyond the end of its range.
+        at_motor: whether a motor was at its limit.
     """
 
     rms: float
@@ -43,6 +49,14 @@ class Judgement:
     torque_squared: float
     optimum: float
     without: float
+    singular: bool
+    at_range: bool
+    at_motor: bool
+
+    @property
+    def good(self) -> bool:
+        """Whether the arm follows its path with the least torque."""
+        return self.tracks and self.optimal
 
     @property
     def tracks(self) -> bool:
@@ -70,6 +84,8 @@ def judge(run: rmj.Run) -> Judgement:
     tau, made = data["tau"].values[last], data["q"].values[last]
     lead_in = data["q"].values[np.flatnonzero(last)[0] - 2 :]
     dt = time[1] - time[0]
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    weakest, strongest = robot.torque_limit.T
     arm = _Arm(robot)
     positions = [axis for axis in robot.axes if axis in "xyz"]
     rows = ["xyz".index(axis) for axis in positions]
@@ -87,6 +103,9 @@ def judge(run: rmj.Run) -> Judgement:
         torque_squared=float((tau**2).sum(axis=1).mean()),
         optimum=float(sum(_left_over(q[:, j], needed[:, j]) for j in range(robot.n))),
         without=float((needed**2).sum(axis=1).mean()),
+        singular=any(arm.nearness(q) < NEAR_SINGULAR for q in made[::10]),
+        at_range=bool((robot.limited & ((made <= low) | (made >= high))).any()),
+        at_motor=bool(((tau <= weakest) | (tau >= strongest)).any()),
     )
 
 
@@ -109,6 +128,15 @@ class _Arm:
         jacobian = np.zeros((3, self.model.nv))
         mujoco.mj_jacSite(self.model, self.data, jacobian, None, self.robot.site)
         return self.data.site_xpos[self.robot.site].copy(), jacobian[:, self.robot.dof_address]
+
+    def nearness(self, q):
+        """Smallest singular value of the task's Jacobian, as a share of its largest."""
+        self.tool(q)
+        jacobian = np.zeros((6, self.model.nv))
+        mujoco.mj_jacSite(self.model, self.data, jacobian[:3], jacobian[3:], self.robot.site)
+        rows = np.ix_(self.robot.coordinate, self.robot.dof_address)
+        values = np.linalg.svd(jacobian[rows], compute_uv=False)
+        return values[-1] / values[0]
 
     def solved(self, q, wanted, rows):
         """Joint angles near q that put the tool where it is wanted."""
