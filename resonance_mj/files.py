@@ -73,6 +73,14 @@ def is_file(path: str | os.PathLike[str]) -> bool:
         return False
 
 
+def is_folder(path: str | os.PathLike[str]) -> bool:
+    """Whether a folder is there; not if its name is one that no folder can have."""
+    try:
+        return Path(path).is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 @contextmanager
 def regular(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A file that is opened to be read: a regular one, as a device or a pipe may have no end.

@@ -55,42 +55,34 @@ class ExperimentFile(pytest.File):
             experiment = read(self.path)
         except ResonanceError as error:
             raise self.CollectError(str(error)) from None
-        yield ExperimentItem.from_parent(self, name=experiment.name, experiment=experiment)
+        item = ExperimentItem.from_parent(self, name=experiment.name)
+        item.experiment = experiment
+        yield item
 
 
 class ExperimentItem(pytest.Item):
     """One experiment, simulated and held against what it expects."""
 
-    def __init__(self, *, experiment: Experiment, **rest: Any) -> None:
-        super().__init__(**rest)
-        self.experiment = experiment
+    experiment: Experiment
 
     def runtest(self) -> None:
-        """Simulate it, and fail if it misses an expectation."""
+        """Simulate it, and fail if it misses an expectation, or cannot be simulated."""
+        from .errors import ResonanceError
         from .evaluation.checks.check import judge
         from .evaluation.checks.convergence import report
         from .simulation.simulation import simulate
 
-        run = simulate(self.experiment)
-        missed = report(run, judge(run))
+        try:
+            run = simulate(self.experiment)
+            missed = report(run, judge(run))
+        except ResonanceError as error:
+            missed = str(error)
         if missed:
-            raise Missed(missed)
-
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """What was missed, without a traceback through this package."""
-        from .errors import ResonanceError
-
-        if isinstance(excinfo.value, Missed | ResonanceError):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
+            pytest.fail(missed, pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where the test stands, for reports."""
         return self.path, None, self.name
-
-
-class Missed(Exception):  # noqa: N818, an outcome like pytest's own
-    """A run does not show what is expected of it."""
 
 
 @pytest.fixture(scope="session")

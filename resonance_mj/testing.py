@@ -27,7 +27,7 @@ def assert_converged(run: Run, *, motion: int | None = None, cycles: int | None 
     """
     __tracebackhide__ = True
     most = max(one.cycles for one in run.experiment.motion) if cycles is None else cycles
-    _hold(run, motion, {"cycles_to_optimum": {"max": most}})
+    _hold(run, motion, "cycles_to_optimum", max=most)
 
 
 def assert_stiffness(
@@ -56,7 +56,7 @@ def assert_stiffness(
     """
     __tracebackhide__ = True
     value = [*expected] if isinstance(expected, Sequence) else expected
-    _hold(run, motion, {"stiffness": _given(value=value, rel=rel, abs=abs, joints=joints)})
+    _hold(run, motion, "stiffness", value=value, rel=rel, abs=abs, joints=joints)
 
 
 def assert_optimal(
@@ -82,15 +82,11 @@ def assert_optimal(
         ExperimentError: there is no such motion or joint.
     """
     __tracebackhide__ = True
-    _hold(run, motion, {"stiffness": _given(value="optimal", rel=rel, abs=abs, joints=joints)})
+    _hold(run, motion, "stiffness", value="optimal", rel=rel, abs=abs, joints=joints)
 
 
-def _given(**values: Any) -> dict[str, Any]:
-    return {key: value for key, value in values.items() if value is not None}
-
-
-def _hold(run: Run, motion: int | None, expected: dict[str, Any]) -> None:
-    """Hold a run against expectations written as in a file."""
+def _hold(run: Run, motion: int | None, figure: str, **band: Any) -> None:
+    """Hold a figure of a run against a band whose keys are those of a file."""
     __tracebackhide__ = True
     from dataclasses import replace
 
@@ -99,17 +95,13 @@ def _hold(run: Run, motion: int | None, expected: dict[str, Any]) -> None:
     from .evaluation.checks.check import judge
     from .evaluation.checks.convergence import report
 
-    motions = len(run.experiment.motion)
-    if motion is None:
-        expect = expected
-    elif 1 <= motion <= motions:
-        expect = {"motion": [expected if i == motion else {} for i in range(1, motions + 1)]}
-    else:
-        raise ExperimentError(
-            f"motion = {motion}: {run.experiment.name} has motions 1 to {motions}"
-        )
+    name, motions = run.experiment.name, range(1, len(run.experiment.motion) + 1)
+    expect: dict[str, Any] = {figure: {k: v for k, v in band.items() if v is not None}}
+    if motion is not None:
+        if motion not in motions:
+            raise ExperimentError(f"motion = {motion}: {name} has motions 1 to {len(motions)}")
+        expect = {"motion": [expect if i == motion else {} for i in motions]}
     experiment = run.experiment.replace({"expect": expect})
-    fit(experiment, run.data["joint"].values.tolist(), f"experiment {experiment.name!r}")
-    missed = report(run := replace(run, experiment=experiment), judge(run))
-    if missed:
+    fit(experiment, run.data["joint"].values.tolist(), f"experiment {name!r}")
+    if missed := report(run := replace(run, experiment=experiment), judge(run)):
         raise AssertionError(missed)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj.evaluation.inspection import inspect
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.robots.names import usual
 from resonance_mj.robots.robot import build
@@ -111,6 +112,10 @@ def test_usual_names_are_found_behind_prefixes_in_any_case(name, is_usual):
         ('<site name="a"/><site name="p_TCP" pos=".1 0 0"/>', "p_TCP"),
         ('<body name="wrist"><geom size=".01"/><site name="spot" pos=".1 0 0"/></body>', "spot"),
         ('<body name="tool0"/><site name="spot"/>', "tool0"),
+        (
+            '<body name="gripper_link"><body name="gripper_frame" pos=".1 0 0"/></body>',
+            "gripper_frame",
+        ),
         ('<site name="near" pos=".1 0 0"/><site name="out" pos=".2 0 0"/>', "out"),
         ('<body name="tip_"><site pos=".1 0 0"/></body>', "tip_"),
         ('<body name="plate"><site pos=".1 0 0"/></body>', "unnamed_site1"),
@@ -239,3 +244,26 @@ def test_joints_of_one_body_of_which_some_are_held_move_as_in_the_file(tmp_path,
         np.testing.assert_allclose(
             data.site("a_tcp").xpos, there.site("a_tcp").xpos, atol=1e-12, err_msg=str(shift)
         )
+
+
+@pytest.mark.parametrize(
+    "given", [{"arm": "right"}, {"joints": ["left_elbow", "left_shoulder"]}, {}]
+)
+def test_a_suggested_experiment_has_the_arm_that_was_found(tmp_path, given):
+    path = humanoid(tmp_path)
+    changes = {f"robot.{key}": value for key, value in given.items()}
+    found = inspect(for_robot(str(path)).replace(changes))
+    written_out = tmp_path / "found.toml"
+    written_out.write_text(found.to_toml())
+    again, robot = build(rmj.load(written_out)), built(path, **given)
+    assert again.joints == robot.joints
+    np.testing.assert_array_equal(again.home, robot.home)
+    np.testing.assert_allclose(again.position, robot.position, atol=1e-15)
+
+
+def test_the_task_is_in_the_coordinates_that_the_arm_is_good_at(tmp_path):
+    """A pan and tilt beside the x axis moves in x only as it moves in z."""
+    tilt = link("tilt", "j2", '<site name="tcp"/>')
+    path = written(tmp_path, link("pan", "j1", tilt, axis="0 0 1", x=0.01))
+    assert built(path, home=[0.02, 0.7]).axes == ("x", "y")
+    assert built(path, home=[1.2, 0.7]).axes == ("x", "z")

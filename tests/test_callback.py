@@ -10,7 +10,6 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj import library
 from resonance_mj.callback import callback
-from resonance_mj.callback import foreign as foreign_callbacks
 from resonance_mj.callback.callback import installed
 from resonance_mj.errors import CallbackError
 from resonance_mj.laws import controller
@@ -82,7 +81,7 @@ def test_compiled_and_interpreted_law_agree_to_the_last_bit(integrator, law, tmp
 
 
 def pointer():
-    return foreign_callbacks.pointer("control")
+    return callback.pointer("control")
 
 
 @pytest.mark.parametrize("interpret", [False, True])

@@ -18,7 +18,7 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures import palette
-from resonance_mj.pictures.figures import catalogue, path, sizes, springs
+from resonance_mj.pictures.figures import catalogue, path, springs
 from resonance_mj.results.cycles import kept
 
 SHORT = {
@@ -29,7 +29,7 @@ SHORT = {
 }
 OF_ONE = [entry.name for entry in catalogue.FIGURES if not entry.several]
 DRAWN = {}
-WIDTHS = [sizes.COLUMN, sizes.PAGE]
+WIDTHS = [catalogue.COLUMN, catalogue.PAGE]
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def diverged(resonance_run):
     return run
 
 
-def drawn(name, runs, width=sizes.PAGE):
+def drawn(name, runs, width=catalogue.PAGE):
     """A figure, laid out so that all of it has its place; each is drawn once, to be looked at."""
     key = name, width, *map(id, runs)
     if key not in DRAWN:
@@ -89,7 +89,7 @@ def test_no_words_touch_or_leave_a_page(runs, robot, name):
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("robot", ["two-link-transfer", "scara"])
 def test_no_words_touch_or_leave_a_column(runs, robot, name):
-    assert_readable(drawn(name, [runs[robot]], sizes.COLUMN))
+    assert_readable(drawn(name, [runs[robot]], catalogue.COLUMN))
 
 
 def assert_readable(figure):
@@ -254,10 +254,10 @@ def test_a_tilted_path_keeps_its_lengths_in_the_plane_it_is_drawn_in():
     t = np.linspace(0, 2 * np.pi, 50, endpoint=False)
     tilt = np.array([[1, 0, 1], [0, 1, 0]]) / np.array([[np.sqrt(2)], [1]])
     circle = np.stack([np.cos(t), np.sin(t)], axis=1) @ tilt + [0.3, 0.1, 0.5]
-    plane = path.plane_of(circle, ["x", "y", "z"])
-    flat = (circle - circle.mean(axis=0)) @ plane.directions.T
+    directions, labels = path.plane_of(circle, ["x", "y", "z"])
+    flat = (circle - circle.mean(axis=0)) @ directions.T
     np.testing.assert_allclose(np.linalg.norm(flat, axis=1), 1.0, rtol=1e-12)
-    for label, direction in zip(plane.labels, plane.directions, strict=True):
+    for label, direction in zip(labels, directions, strict=True):
         numbers = [float(part) for part in re.findall(r"[−\d.]+", label.replace("−", "-"))]
         assert label.startswith("along (")
         np.testing.assert_allclose(np.abs(numbers), np.abs(direction), atol=0.005)
@@ -302,7 +302,7 @@ def test_a_thinned_run_is_drawn_from_the_cycles_that_were_kept(resonance_run):
     assert [entry.name for entry in catalogue.fitting([run])] == OF_ONE
     for name in ("overview", "path"):
         assert_readable(drawn(name, [run]))
-    (first, last), _ = path.first_and_last(run)
+    first, last = path.first_and_last(run)[0].values()
     assert (first.number, last.number) == (1, 30)
 
 

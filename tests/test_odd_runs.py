@@ -17,7 +17,8 @@ import resonance_mj as rmj
 from resonance_mj import cli, library
 from resonance_mj.errors import PictureError
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.pictures.figures import catalogue, saving
+from resonance_mj.pictures.figures import catalogue
+from resonance_mj.pictures.figures.plot import save
 from resonance_mj.pictures.film import plots
 from resonance_mj.pictures.film.options import RenderOptions
 
@@ -232,7 +233,7 @@ def test_a_page_holds_no_folder_of_its_sender(simulated, folder, tmp_path, monke
 
 
 def test_a_figure_that_is_taller_than_a_png_can_be_has_fewer_pixels_per_inch(tmp_path):
-    (png,) = saving.save(Figure(figsize=(0.2, 120)), tmp_path, "tall", ["png"], dpi=600)
+    (png,) = save(Figure(figsize=(0.2, 120)), tmp_path, "tall", ["png"], dpi=600)
     with Image.open(png) as picture:
         assert picture.height == 65_000
         assert picture.info["dpi"][1] == pytest.approx(65_000 / 120, rel=1e-3)

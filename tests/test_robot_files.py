@@ -296,7 +296,8 @@ def test_what_mujoco_warns_of_while_robots_step_is_a_note_of_each_that_it_is_abo
     """One of a batch has no memory for its contacts: it steps in a thread that nobody hears."""
     tiny = written(tmp_path, "tiny.xml", head='<size memory="4K"/>', scene=FLOOR)
     roomy = written(tmp_path, "roomy.xml", head='<size memory="1M"/>', scene=FLOOR)
-    changes = {"motion.0.duration": 2.0, "robot.home": [0.4, 0.3]}
+    small = {"motion.0.center": [0.45, -0.26], "motion.0.size": [0.01, 0.01]}
+    changes = {"motion.0.duration": 2.0, "robot.home": [0.4, 0.3], **small}
     experiments = [for_robot(str(path)).replace(changes) for path in (tiny, roomy)]
     for runs in (rmj.simulate_many(experiments), list(map(rmj.simulate, experiments))):
         said = [[note for note in run.notes if "MuJoCo warns" in note] for run in runs]

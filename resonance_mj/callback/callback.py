@@ -7,9 +7,10 @@ block, and refuses where another callback is in place.
 from __future__ import annotations
 
 import ctypes
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,13 @@ from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom, said
 from ..laws.memory import Header, block, matrix
 from ..step_functions import STEP_FUNCTIONS
-from .foreign import installing, libmujoco, refuse_foreign
 from .frozen import frozen
+
+ACTING = ("control", "passive", "contactfilter", "act_dyn", "act_gain", "act_bias", "sensor")
+"""MuJoCo's callbacks, mjcb_NAME, that change what is simulated."""
+
+_installing = threading.Lock()
+"""Held while this package's own control callback is installed."""
 
 _ready: dict[bytes, Any] = {}
 """Compiled callbacks of this process by all that they depend on."""
@@ -46,16 +52,14 @@ def installed(*, interpret: bool = False, command: Command = standard) -> Iterat
     """
     refuse_another()
     function = partial(_interpreted, command) if interpret else _compiled(command)
-    if not installing.acquire(blocking=False):
+    if not _installing.acquire(blocking=False):
         raise CallbackError(_BUSY)
     try:
         mujoco.set_mjcb_control(function)
-        try:
-            yield
-        finally:
-            mujoco.set_mjcb_control(None)
+        yield
     finally:
-        installing.release()
+        mujoco.set_mjcb_control(None)
+        _installing.release()
 
 
 def refuse_another() -> None:
@@ -63,9 +67,37 @@ def refuse_another() -> None:
 
     Checked before a robot is loaded, because MuJoCo calls them while it compiles a model.
     """
-    if installing.locked():
+    if _installing.locked():
         raise CallbackError(_BUSY)
     refuse_foreign()
+
+
+def refuse_foreign() -> None:
+    """Raise a CallbackError that names a callback which acts in this process and is not ours.
+
+    MuJoCo calls some of them while it compiles a model: the robot's file is not to blame.
+    """
+    for name in ACTING:
+        if pointer(name) and not (name == "control" and _installing.locked()):
+            raise CallbackError(
+                f"another callback, mjcb_{name}, is installed in this process and would act on the "
+                f"robot: remove it with mujoco.set_mjcb_{name}(None) before"
+            )
+
+
+def pointer(name: str) -> int | None:
+    """Address of the callback mjcb_NAME that is installed, None for none."""
+    return ctypes.c_void_p.in_dll(ctypes.CDLL(str(_libmujoco())), f"mjcb_{name}").value
+
+
+@cache
+def _libmujoco() -> Path:
+    """MuJoCo's shared library."""
+    folder = Path(mujoco.__file__).parent
+    for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"):
+        for path in sorted(folder.glob(pattern)):
+            return path
+    raise CallbackError(f"{folder}: no MuJoCo library was found there; reinstall mujoco")
 
 
 def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -107,7 +139,7 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
 
     from . import machine_code, structs
 
-    llvmlite.binding.load_library_permanently(str(libmujoco()))
+    llvmlite.binding.load_library_permanently(str(_libmujoco()))
     layout = (structs.MODEL_OFFSETS, structs.DATA_OFFSETS)
 
     def translate() -> tuple[str, str]:

@@ -140,8 +140,7 @@ def _reason(law: Callable[..., None], error: Exception) -> str:
 
 # Resolved by name when the machine code is loaded: an address could not be kept on disk.
 _mj_jacSite = types.ExternalFunction(  # noqa: N816
-    "mj_jacSite",
-    types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32),
+    "mj_jacSite", types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32)
 )
 
 

@@ -72,10 +72,8 @@ def _told(value: Any, parts: list[str], seen: set[int]) -> bool:
 
 
 def _of_numba(value: Any) -> bool:
-    if isinstance(value, ModuleType):
-        owners: list[Any] = [value.__name__]
-    else:
-        owners = [getattr(value, "__module__", None), type(value).__module__]
+    own = "__name__" if isinstance(value, ModuleType) else "__module__"
+    owners = (getattr(value, own, None), type(value).__module__)
     return any(str(owner).partition(".")[0] == "numba" for owner in owners)
 
 

@@ -52,10 +52,8 @@ def load(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
     )
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     everything = (processor, features, version("numba"), version("llvmlite"), version("numpy"))
-    path = None
-    if key is not None:
-        digest = hashlib.sha256(key + repr(everything).encode()).hexdigest()[:24]
-        path = _trusted_folder(f"control-{digest}.o")
+    digest = hashlib.sha256((key or b"") + repr(everything).encode()).hexdigest()[:24]
+    path = None if key is None else _trusted_folder(f"control-{digest}.o")
     try:
         needs, code = _parts(b"" if path is None else _read(path))
     except (OSError, ValueError):
@@ -111,7 +109,7 @@ def _keep(path: Path, written: bytes) -> None:
 def _parts(written: bytes) -> tuple[list[str], Any]:
     """What `_compiled` wrote: names and machine code; ValueError where it is not whole."""
     digest, _, rest = written.partition(b"\n")
-    if digest != _digest(rest):
+    if digest != hashlib.sha256(rest).hexdigest().encode():
         raise ValueError("no machine code, or not the whole of it")
     needs, _, code = rest.partition(b"\n")
     return needs.decode().split(), llvm.ObjectFileRef.from_data(code)
@@ -124,11 +122,7 @@ def _compiled(machine: Any, text: str, name: str) -> bytes:
     outside = (*module.functions, *module.global_variables)
     needs = [one.name for one in outside if one.is_declaration and "llvm." not in one.name]
     rest = " ".join(needs).encode() + b"\n" + bytes(machine.emit_object(module))
-    return _digest(rest) + b"\n" + rest
-
-
-def _digest(code: bytes) -> bytes:
-    return hashlib.sha256(code).hexdigest().encode()
+    return hashlib.sha256(rest).hexdigest().encode() + b"\n" + rest
 
 
 def _define_missing(names: list[str]) -> None:

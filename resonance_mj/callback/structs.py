@@ -5,6 +5,7 @@ a real model's arrays on import: where they differ, this module refuses to load.
 """
 
 import ctypes
+import math
 from typing import Any
 
 import mujoco
@@ -29,25 +30,16 @@ def _c_type(declared: Any) -> Any:
     if isinstance(declared, ast_nodes.PointerType):
         return ctypes.c_void_p
     if isinstance(declared, ast_nodes.ArrayType):
-        inner = _c_type(declared.inner_type)
-        for extent in reversed(declared.extents):
-            inner = inner * extent
-        return inner
-    if isinstance(declared, ast_nodes.AnonymousStructDecl):
-        return _structure("anonymous", declared.fields)
-    if declared.name in _C_TYPES:
-        return _C_TYPES[declared.name]
-    return _structure(declared.name, structs.STRUCTS[declared.name].fields)
-
-
-def _structure(name: str, fields: Any) -> Any:
-    members = [(field.name, _c_type(field.type)) for field in fields]
-    return type(name, (ctypes.Structure,), {"_fields_": members})
+        return math.prod(declared.extents) * _c_type(declared.inner_type)
+    if isinstance(declared, ast_nodes.ValueType):
+        return _C_TYPES.get(declared.name) or _c_type(structs.STRUCTS[declared.name])
+    fields = [(field.name, _c_type(field.type)) for field in declared.fields]
+    return type("Struct", (ctypes.Structure,), {"_fields_": fields})
 
 
 def _checked_offsets(name: str, fields: tuple[str, ...], owner: Any) -> tuple[int, ...]:
     """Byte offset of each field in the struct, compared with what a live `owner` says of itself."""
-    structure = _structure(name, structs.STRUCTS[name].fields)
+    structure = _c_type(structs.STRUCTS[name])
     live = structure.from_address(owner._address)
     for field in fields:
         value = getattr(owner, field)

@@ -13,7 +13,7 @@ from typing import NoReturn
 from ..errors import ExperimentError, ResonanceError
 from ..text import cut, one_line
 from . import experiment_commands, keys_as_options, library_commands, run_commands
-from .console import BAD_INPUT, DONE, ENDED_BY_SIGNAL, complain
+from .command import BAD_INPUT, DONE, ENDED_BY_SIGNAL, complain
 
 COMMANDS = {
     "run": experiment_commands.run,

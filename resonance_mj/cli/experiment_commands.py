@@ -6,15 +6,17 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import resonance_mj as rmj
+
 from ..errors import ExperimentError
+from ..files import could_be_written
+from ..pictures.figures.catalogue import DRAFT
 from . import keys_as_options, run_commands
-from .command import argument, command, flag
-from .console import DONE, NOT_WELL, bar, complain, console
+from .command import DONE, NOT_WELL, argument, bar, command, complain, console, flag
 from .keys_as_options import EXPERIMENT, ROBOT
 
 if TYPE_CHECKING:
     from ..evaluation.checks.check import Judgement
-    from ..results.run import Run
 
 
 @command(
@@ -29,18 +31,13 @@ if TYPE_CHECKING:
 def run(options: Namespace) -> int:
     """Simulate an experiment and write its run."""
     experiment = keys_as_options.experiment(options)
-    from ..files import could_be_written
-    from ..pictures.figures.plot import plot
-    from ..pictures.figures.sizes import DRAFT
-    from ..simulation.simulation import simulate
-    from ..status import Status
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / experiment.name)
     screen = console()
     name, total = experiment.name, sum(motion.cycles for motion in experiment.motion)
     with bar(f"{name}: preparing the law", "cycles", screen, total, then=name) as show:
-        run = simulate(
+        run = rmj.simulate(
             experiment,
             interpret=options.interpret,
             strict=options.strict,
@@ -51,7 +48,7 @@ def run(options: Namespace) -> int:
     written = ["run.nc", "summary.json", "experiment.toml"]
     screen.print(tables.summary(run))
     if run.data.sizes["time"]:
-        written += [path.name for path in plot(run, folder, figures=["overview"], dpi=DRAFT)]
+        written += [path.name for path in rmj.plot(run, folder, figures=["overview"], dpi=DRAFT)]
     if options.certify:
         written += run_commands.certified(run, folder, screen)
     if run.data.attrs["thinned"]:
@@ -61,7 +58,7 @@ def run(options: Namespace) -> int:
             f"(simulation.samples = {experiment.simulation.samples})."
         )
     screen.print(f"{folder}: {', '.join(written)}", soft_wrap=True)
-    if run.status is Status.OK:
+    if run.status is rmj.Status.OK:
         return DONE
     complain(f"{name}: {run.status}: {run.message}")
     return NOT_WELL
@@ -129,17 +126,16 @@ def inspect(options: Namespace) -> None:
 def compare(options: Namespace) -> None:
     """The laws that users compare, on one experiment."""
     experiment = keys_as_options.experiment(options)
-    from ..evaluation import comparison
-    from ..files import could_be_written
-    from ..pictures.figures import comparison_figure, saving
+    from ..pictures.figures import comparison_figure
+    from ..pictures.figures.plot import save
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
     screen = console()
     with bar(f"{experiment.name}: all laws", "cycles", screen) as show:
-        found = comparison.compare(experiment, long=options.long, progress=show)
+        found = rmj.compare(experiment, long=options.long, progress=show)
     found.save(folder)
-    saving.save(comparison_figure.figure(found), folder, "compare")
+    save(comparison_figure.figure(found), folder, "compare")
     screen.print(tables.comparison(found))
     screen.print(
         f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "
@@ -172,12 +168,11 @@ def check(options: Namespace) -> int:
     experiments = [cases.read(path, options.changes) for path in files]
     from ..evaluation.checks import convergence
     from ..evaluation.checks.check import judge
-    from ..simulation.simulation import simulate_many
     from . import tables
 
     screen = console()
     with bar("experiments", "cycles", screen) as show:
-        runs = simulate_many(experiments, progress=show)
+        runs = rmj.simulate_many(experiments, progress=show)
     judgements = [judge(run) for run in runs]
     for run, found in zip(runs, judgements, strict=True):
         screen.print(tables.judgements(run, found))
@@ -192,16 +187,15 @@ def check(options: Namespace) -> int:
     return NOT_WELL if missed else DONE
 
 
-def _update(files: list[Path], runs: list[Run], judgements: list[list[Judgement]]) -> int:
+def _update(files: list[Path], runs: list[rmj.Run], judgements: list[list[Judgement]]) -> int:
     """Write what was found into the files, and hold the runs against them again."""
     from dataclasses import replace
 
     from ..evaluation.checks import cases, updating
     from ..evaluation.checks.check import judge
-    from ..results.run import Status
 
     for path, run in zip(files, runs, strict=True):
-        if run.status is not Status.OK:
+        if run.status is not rmj.Status.OK:
             complain(
                 f"{path}: the run ended as {run.status}, and no file is updated: {run.message}"
             )

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import tomllib
 from argparse import Namespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import resonance_mj as rmj
 
 from ..errors import ExperimentError
 from ..text import cut
 from .command import argument
-
-if TYPE_CHECKING:
-    from ..experiments.experiment import Experiment
 
 HELP = (
     "Every key of the experiment is an option, with its value as in the file: --law.beta 3, "
@@ -27,9 +26,9 @@ ROBOT = argument(
 )
 
 
-def experiment(options: Namespace) -> Experiment:
+def experiment(options: Namespace) -> rmj.Experiment:
     """The experiment that EXPERIMENT, ROBOT and the keys ask for."""
-    from ..experiments.loading import for_robot, load
+    from ..experiments.loading import for_robot
 
     if options.experiment is None and options.robot is None:
         raise ExperimentError(
@@ -38,7 +37,7 @@ def experiment(options: Namespace) -> Experiment:
     if options.experiment is None:
         return for_robot(options.robot).replace(options.changes)
     robot = {} if options.robot is None else {"robot.mjcf": options.robot}
-    return load(options.experiment).replace(options.changes | robot)
+    return rmj.load(options.experiment).replace(options.changes | robot)
 
 
 def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from .command import command
-from .console import console
+from .. import library
+from .command import command, console
 
 
 @command()
 def list_(_: Namespace) -> None:
     """The experiments and robots that come with the program."""
     from rich.table import Table
-
-    from .. import library
 
     screen = console()
     for title, files in (("runs", library.experiments()), ("robots", library.robots())):

@@ -7,20 +7,18 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import resonance_mj as rmj
+
+from .. import library
 from ..errors import ExperimentError, PictureError
-from ..pictures.figures.catalogue import FIGURES
-from ..pictures.figures.sizes import DPI, FORMATS
+from ..files import writable
+from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
 from ..pictures.viewer.clock import KEYS_HELP
 from . import keys_as_options
-from .command import Argument, argument, command, flag
-from .console import DONE, NOT_WELL, bar, complain, console
+from .command import DONE, NOT_WELL, Argument, argument, bar, command, complain, console, flag
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-    from ..experiments.experiment import Experiment
-    from ..pictures.film.options import RenderOptions
-    from ..results.run import Run
 
 PARTS = {
     "path": "the desired path",
@@ -58,13 +56,11 @@ def _picture(backgrounds: str, parts: dict[str, str]) -> list[Argument]:
     ]
 
 
-def _chosen(options: Namespace, **more: Any) -> RenderOptions:
+def _chosen(options: Namespace, **more: Any) -> rmj.RenderOptions:
     """What the options of `_picture` ask for, and `more`."""
-    from ..pictures.film.options import RenderOptions
-
     names = (part.replace("-", "_") for part in PARTS)
     more |= {name: not getattr(options, f"no_{name}", False) for name in names}
-    return RenderOptions(
+    return rmj.RenderOptions(
         camera=options.camera, follow=options.follow, background=options.background, **more
     )
 
@@ -86,12 +82,9 @@ def _chosen(options: Namespace, **more: Any) -> RenderOptions:
 )
 def plot(options: Namespace) -> None:
     """Draw the figures of a saved run, or several runs in one figure."""
-    from ..pictures.figures.plot import plot
-    from ..results.run import Run
-
     names = [name for given in options.figures or [] for name in given.split(",")]
-    written = plot(
-        [Run.load(folder) for folder in options.runs],
+    written = rmj.plot(
+        [rmj.Run.load(folder) for folder in options.runs],
         options.out or options.runs[0],
         figures=names or None,
         formats=options.format.split(","),
@@ -108,23 +101,20 @@ def plot(options: Namespace) -> None:
 )
 def certify(options: Namespace) -> None:
     """Check on a saved run what the stability proof claims."""
-    from ..files import writable
-    from ..results.run import Run
-
-    run, screen = Run.load(options.run), console()
+    run, screen = rmj.Run.load(options.run), console()
     folder = writable(options.out or options.run)
     for name in certified(run, folder, screen):
         screen.print(folder / name, soft_wrap=True)
 
 
-def certified(run: Run, folder: Path, screen: Console) -> list[str]:
+def certified(run: rmj.Run, folder: Path, screen: Console) -> list[str]:
     """Print and draw a run's certificates; the names of the files that were written."""
-    from ..evaluation.certificates.certificates import certify
-    from ..pictures.figures import certificate_figure, saving
+    from ..pictures.figures import certificate_figure
+    from ..pictures.figures.plot import save
     from . import tables
 
-    found = certify(run)
-    drawn = saving.save(certificate_figure.figure(found), folder, "certificates")
+    found = rmj.certify(run)
+    drawn = save(certificate_figure.figure(found), folder, "certificates")
     screen.print(tables.certificates(found))
     return [path.name for path in drawn]
 
@@ -142,18 +132,15 @@ def certified(run: Run, folder: Path, screen: Console) -> list[str]:
 )
 def render(options: Namespace) -> None:
     """Film a saved run, or several side by side and in step."""
-    from ..pictures.film import video
-    from ..results.run import Run
-
     chosen = _chosen(options, size=_size(options.size))
-    runs = [Run.load(folder) for folder in options.runs]
+    runs = [rmj.Run.load(folder) for folder in options.runs]
     labels = options.labels
     if labels is None and len({run.experiment.name for run in runs}) < len(runs):
         labels = [folder.resolve().name for folder in options.runs]
     path = options.output or options.runs[0] / "motion.mp4"
     screen = console()
     with bar(path.name, "frames", screen) as show:
-        written = video.render(
+        written = rmj.render(
             runs,
             path,
             options.start,
@@ -197,18 +184,15 @@ def view(options: Namespace) -> int:
     # Windows are GLFW's, whatever pictures are drawn with; MuJoCo reads this when it is imported.
     os.environ["MUJOCO_GL"] = "glfw"
     what = _what(options)
-    from ..pictures.viewer.view import view
-    from ..status import Status
-
     screen = console()
     failed = []
 
-    def ended(run: Run) -> None:
-        if run.status is not Status.OK:
+    def ended(run: rmj.Run) -> None:
+        if run.status is not rmj.Status.OK:
             failed.append(run)
             complain(f"{run.experiment.name}: {run.status}: {run.message}")
 
-    view(
+    rmj.view(
         what,
         speed=options.speed,
         start=options.start,
@@ -221,10 +205,8 @@ def view(options: Namespace) -> int:
     return NOT_WELL if failed else DONE
 
 
-def _what(options: Namespace) -> Run | Experiment:
+def _what(options: Namespace) -> rmj.Run | rmj.Experiment:
     """The run, or else the experiment, that the options ask for."""
-    from ..results.run import Run
-
     if not _is_run(options.experiment):
         return keys_as_options.experiment(options)
     given = [f"--{key}" for key in options.changes] + ["--robot"] * (options.robot is not None)
@@ -233,13 +215,11 @@ def _what(options: Namespace) -> Run | Experiment:
             f"{options.experiment}: a run is shown as it was: leave out {', '.join(given)}, or "
             "give the name or path of its experiment, which is simulated anew"
         )
-    return Run.load(options.experiment)
+    return rmj.Run.load(options.experiment)
 
 
 def _is_run(given: str | None) -> bool:
     """Whether a folder of a run is meant: one with a run in it is, whatever else has its name."""
-    from .. import library
-
     path = Path(given or "")
     if given is None or given in library.experiments():
         return given is not None and (path / "run.nc").is_file()
@@ -260,11 +240,9 @@ def _is_run(given: str | None) -> bool:
 )
 def report(options: Namespace) -> None:
     """Write a run, or several beside each other, as one page to read and to send."""
-    from ..pictures.page.report import report
-
     screen = console()
     with bar("report", "pictures", screen) as show:
-        written = report(
+        written = rmj.report(
             options.runs,
             options.output,
             video=not options.no_video,

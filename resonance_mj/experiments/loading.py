@@ -9,7 +9,7 @@ from typing import Any
 
 from .. import library
 from ..errors import ExperimentError
-from ..files import is_file, read_text
+from ..files import is_file, is_folder, read_text
 from ..text import listed, nearest, shown
 from .experiment import Experiment
 from .model_objects import as_file
@@ -41,7 +41,7 @@ def load(name: str | os.PathLike[str]) -> Experiment:
         # A file that is named in an experiment is looked for beside it first.
         if isinstance(table, dict) and isinstance(table.get(key), str):
             beside = path.parent / table[key]
-            if is_file(beside) or (table[key] and beside.is_dir()):
+            if is_file(beside) or (table[key] and is_folder(beside)):
                 table[key] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return validated(Experiment, values, str(path))

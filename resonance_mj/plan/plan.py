@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from .. import library
-from ..callback.foreign import refuse_foreign
+from ..callback.callback import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment

@@ -56,11 +56,10 @@ def kept(run: Run) -> list[Cycle]:
     )
     found = []
     for number, begin, steps in zip(numbers.tolist(), first, count, strict=True):
-        if number > len(motion):  # A run that diverged ends within a cycle.
-            continue
-        part = {name: values[begin : begin + steps] for name, values in signals.items()}
-        part["center"] = part["center"][0]
-        part |= {name: values[number - 1] for name, values in last.items()}
-        of = int(motion[number - 1])
-        found.append(Cycle(number=number, motion=of, passage=bool(passage[number - 1]), **part))
+        at = number - 1
+        if at < len(motion):  # A run that diverged ends within a cycle.
+            part = {name: values[begin : begin + steps] for name, values in signals.items()}
+            part |= {name: values[at] for name, values in last.items()}
+            part["center"] = part["center"][0]
+            found.append(Cycle(number, int(motion[at]), bool(passage[at]), **part))
     return found

@@ -75,23 +75,14 @@ def load(folder: str | os.PathLike[str]) -> dict[str, Any]:
         if one.path.is_file() and not one.unchanged:
             raise OutputError(f"{one.path}: was changed since the run was saved; give it back")
     return about.model_dump(exclude={"thinned"}) | {
-        "experiment": _with_inputs(experiment, {one.key: str(one.path) for one in inputs}),
+        "experiment": experiment.replace({one.key: str(one.path) for one in inputs if one.key}),
         "inputs": inputs,
         "data": data.assign_attrs(thinned=about.thinned),
     }
 
 
-def _with_inputs(experiment: Experiment, paths: dict[str, str]) -> Experiment:
-    """An experiment that names its files by these paths, by its keys."""
-    return experiment.replace({key: path for key, path in paths.items() if key})
-
-
 def _checked(file: BinaryIO) -> int:
-    """Bytes of a file's HDF5 part, after which stands their digest.
-
-    Raises:
-        OutputError: they are not those that were saved.
-    """
+    """Bytes of a file's HDF5 part, after which stands their digest; refused if it is another."""
     size = file.seek(0, os.SEEK_END) - len(_seal(b""))
     file.seek(max(size, 0))
     end = file.read()
@@ -135,12 +126,8 @@ def _variable(name: str, item: h5py.Dataset) -> tuple[list[str], np.ndarray, dic
 
 def _about(hdf5: h5py.File) -> _About:
     """What the attributes say."""
-    found = {name: hdf5.attrs.get(name) for name in _About.model_fields}
-    plain = {
-        name: value.item() if isinstance(value, np.generic | np.ndarray) else value
-        for name, value in found.items()
-    }
-    return validated(_About, plain, "its attributes")
+    found = {name: np.asarray(hdf5.attrs.get(name)).item() for name in _About.model_fields}
+    return validated(_About, found, "its attributes")
 
 
 def save(run: Run, folder: str | os.PathLike[str]) -> Path:
@@ -152,8 +139,8 @@ def save(run: Run, folder: str | os.PathLike[str]) -> Path:
         kept, run = (), replace(run, notes=(*run.notes, said))
     within = folder_name(kept)
     inputs = [one._replace(path=Path(within, one.name)) for one in kept]
-    experiment = _with_inputs(run.experiment, {one.key: one.path.as_posix() for one in inputs})
-    text = experiment.to_toml()
+    paths = {one.key: one.path.as_posix() for one in inputs if one.key}
+    text = run.experiment.replace(paths).to_toml()
     content = _netcdf(run, text, json.dumps([(*one[:1], str(one[1]), *one[2:]) for one in inputs]))
     made_by = "".join(f"# {name} {number}\n" for name, number in run.versions.items())
     return write(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import mujoco
@@ -47,7 +46,11 @@ def _tied(model: mujoco.MjModel, i: int, joints: set[int]) -> set[int]:
     if kind == int(_EQ.mjEQ_JOINT):
         return joints & {one, other}
     if kind == int(_EQ.mjEQ_TENDON):
-        return joints & {j for tendon in (one, other) if tendon >= 0 for j in _along(model, tendon)}
+        first, count = model.ten_J_rowadr, model.ten_J_rownnz
+        rows = [slice(first[t], first[t] + count[t]) for t in (one, other) if t >= 0]
+        return joints & {
+            int(model.dof_jntid[dof]) for row in rows for dof in model.ten_J_colind[row]
+        }
     if kind not in (int(_EQ.mjEQ_CONNECT), int(_EQ.mjEQ_WELD)):
         return set()
     bodies = _bodies(model, i)
@@ -76,18 +79,3 @@ def _ends(model: mujoco.MjModel, i: int) -> str:
         ids = (int(model.eq_obj1id[i]), int(model.eq_obj2id[i]))
         names = [find(one).name if one >= 0 else "a constant" for one in ids]
     return " and ".join(map(repr, names))
-
-
-def _along(model: mujoco.MjModel, tendon: int) -> Iterable[int]:
-    """Ids of the joints that change a tendon's length."""
-    first = int(model.tendon_adr[tendon])
-    row = range(first, first + int(model.tendon_num[tendon]))
-    sites: list[set[int]] = []
-    for at in row:
-        kind, what = int(model.wrap_type[at]), int(model.wrap_objid[at])
-        if kind == int(mujoco.mjtWrap.mjWRAP_JOINT):
-            yield what
-        elif kind == int(mujoco.mjtWrap.mjWRAP_SITE):
-            sites.append(set(chain.joints_to(model, int(model.site_bodyid[what]))))
-    joints: set[int] = set().union(*sites)
-    yield from (j for j in joints if not all(j in moved for moved in sites))

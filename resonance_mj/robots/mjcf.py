@@ -16,7 +16,7 @@ import numpy as np
 from .. import library
 from ..errors import RobotError
 from ..experiments.sections import Robot
-from ..files import is_file
+from ..files import is_file, is_folder
 from ..text import listed, shown
 from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound, source
 from .compiling import compile_spec, parse
@@ -83,7 +83,7 @@ def find(mjcf: str) -> Path:
         return built_in[mjcf]
     if is_file(mjcf):
         return Path(mjcf)
-    if mjcf and Path(mjcf).is_dir() and (inside := source.robots_in(Path(mjcf))):
+    if mjcf and is_folder(mjcf) and (inside := source.robots_in(Path(mjcf))):
         if len(inside) == 1:
             return inside[0]
         raise RobotError(

@@ -34,7 +34,7 @@ TOOLS = (
 
 _ENDINGS = ("site", "frame", "link", "point", "body", "center", "left", "right", "l", "r")
 _SENSORS = re.compile(r"cam|camera\w*|optical|imu|lidar|laser|sensor|ft|force|torque|touch|marker")
-_GRIPPER = re.compile(r"jaw|finger|claw|thumb|knuckle|pincer")
+_GRIPPER = re.compile(r"jaw|finger|fngr|claw|thumb|knuckle|pincer")
 _TURNING = re.compile(r"roll|rotat|twist|yaw|pitch|wrist")
 _LEG = re.compile(r"[lrfb]?(leg|foot|ankle|knee|hip|thigh|calf|shin|toe|wheel|head|neck|tail)\w*")
 

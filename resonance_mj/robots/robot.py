@@ -214,19 +214,18 @@ def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> 
 
     What is not MuJoCo's own default in the file, and nobody asked to change, is said.
     """
-    given, of_file, usual = experiment.simulation, spec.option, mujoco.MjSpec().option
-    integrator = mujoco.mjtIntegrator(of_file.integrator)
-    for key, value, name, was_given in (
-        ("timestep", given.timestep, of_file.timestep, of_file.timestep != usual.timestep),
-        (
-            "integrator",
-            given.integrator,
-            next((name for name, one in INTEGRATORS.items() if one == integrator), integrator.name),
-            integrator != usual.integrator,
+    given, option, usual = experiment.simulation, spec.option, mujoco.MjSpec().option
+    integrator = mujoco.mjtIntegrator(option.integrator)
+    of_file = {
+        "timestep": (option.timestep, option.timestep == usual.timestep),
+        "integrator": (
+            {one: name for name, one in INTEGRATORS.items()}.get(integrator, integrator.name),
+            integrator == usual.integrator,
         ),
-    ):
-        if was_given and name != value and key not in given.model_fields_set:
-            arm.notes.append(f"simulation.{key} is {value}; the file has {name}")
+    }
+    for key, (value, is_usual) in of_file.items():
+        if not (is_usual or value == getattr(given, key) or key in given.model_fields_set):
+            arm.notes.append(f"simulation.{key} is {getattr(given, key)}; the file has {value}")
     spec.option.timestep = given.timestep
     spec.option.integrator = INTEGRATORS[given.integrator]
     if experiment.simulation.gravity is not None:

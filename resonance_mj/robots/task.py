@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ..errors import RobotError
@@ -29,7 +31,7 @@ def axes(given: tuple[str, ...] | None, arm: Arm, home: np.ndarray) -> tuple[str
         arm.notes.append(
             f"{'joints' if len(idle) > 1 else 'joint'} {listed(idle)} cannot move the tool "
             f"{arm.tools[0].name!r} in {', '.join(found)}; robot.tool names another: "
-            f"{listed(others, none='a site beside the axis would be one')}"
+            f"{listed(others, most=8, none='a site beside the axis would be one')}"
         )
     return found
 
@@ -41,16 +43,21 @@ def _written_out(given: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _found(arm: Arm, home: np.ndarray) -> tuple[str, ...]:
-    # One arm moves in x and z, another in all three: take the axes in turn, and leave out one that
-    # moves only as the others make it.
+    # One arm moves in x and z, another in all three: as many axes as it moves independently of
+    # each other, x and z before y where it is about as good at them.
     jacobian = arm.jacobian(home)
     size = np.linalg.norm(jacobian[:3])
-    found: list[str] = []
-    for axis in "xzy":
-        rows = jacobian[[AXES[name] for name in (*found, axis)]]
-        enough = len(rows) <= jacobian.shape[1]
-        if enough and np.linalg.svd(rows, compute_uv=False)[-1] > 1e-3 * size:
-            found.append(axis)
+    found: tuple[str, ...] = ()
+    for count in range(1, min(3, jacobian.shape[1]) + 1):
+        sets = list(itertools.combinations("xzy", count))
+        least = np.array(
+            [
+                np.linalg.svd(jacobian[[AXES[axis] for axis in one]], compute_uv=False)[-1]
+                for one in sets
+            ]
+        )
+        if least.max() > 1e-3 * size:
+            found = sets[int(np.argmax(least > 0.3 * least.max()))]
     if not found:
         raise RobotError(
             f"{arm.path}: the tool {shown(arm.tools[0].name)} cannot be moved from the home pose: "

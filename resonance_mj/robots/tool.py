@@ -13,12 +13,6 @@ from ..text import listed, shown
 from . import arms, chain
 from .names import UNNAMED, is_sensor, usual
 
-SENSORS_AT_SITES = {
-    int(getattr(mujoco.mjtSensor, f"mjSENS_{kind}"))
-    for kind in ("TOUCH", "ACCELEROMETER", "GYRO", "FORCE", "TORQUE", "MAGNETOMETER", "RANGEFINDER")
-}
-"""Kinds of sensors whose sites are no tools."""
-
 
 @dataclass(frozen=True)
 class Tool:
@@ -97,30 +91,27 @@ def _found(
         raise RobotError(
             f"{path}: no hinge or slide joint moves anything in it; an arm needs at least one"
         )
-    of_sensors = _sites_of_sensors(model)
     own = [tool for tool in at_ends if model.body(tool.body).id in branches[0].ends]
-    own = [
-        tool
-        for tool in own
-        if not is_sensor(tool.name) and not (tool.kind == "site" and tool.name in of_sensors)
-    ] or own
-    for kind in ("site", "body"):
-        ranked = [
-            (place, tool)
-            for tool in own
-            if tool.kind == kind and (place := usual(tool.name)) is not None
-        ]
-        if ranked:
-            tool = min(ranked, key=lambda pair: pair[0])[1]
-            notes.append(f"tool: {kind} {tool.name!r}, found by its usual name")
-            return tool
+    own = [tool for tool in own if not is_sensor(tool.name)] or own
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     end = data.xanchor[branches[0].joints[-1]]
+
+    def away(tool: Tool) -> float:
+        place = data.site(tool.name) if tool.kind == "site" else data.body(tool.name)
+        return float(np.linalg.norm(place.xpos - end))
+
+    for kind in ("site", "body"):
+        ranked = {tool: usual(tool.name) for tool in own if tool.kind == kind}
+        likely = [(place, -away(tool), tool) for tool, place in ranked.items() if place is not None]
+        if likely:
+            tool = min(likely, key=lambda one: one[:2])[2]
+            notes.append(f"tool: {kind} {tool.name!r}, found by its usual name")
+            return tool
     sites = [tool for tool in own if tool.kind == "site"]
-    named = [tool for tool in sites if not tool.name.startswith(UNNAMED)]
     if sites:
-        best = max(named or sites, key=lambda tool: np.linalg.norm(data.site(tool.name).xpos - end))
+        named = [tool for tool in sites if not tool.name.startswith(UNNAMED)]
+        best = max(named or sites, key=away)
         why = "the only one" if len(sites) == 1 else "the farthest out"
         notes.append(f"tool: site {best.name!r}, {why} on the arm's end")
         return best
@@ -133,17 +124,6 @@ def _found(
     )
     notes.append(f"tool: body {best.name!r}, the deepest of the longest chain of joints")
     return best
-
-
-def _sites_of_sensors(model: mujoco.MjModel) -> set[str]:
-    """Names of the sites at which something is measured, or that a tendon goes through."""
-    measured = [
-        int(model.sensor_objid[i])
-        for i in range(model.nsensor)
-        if int(model.sensor_type[i]) in SENSORS_AT_SITES
-    ]
-    through = model.wrap_objid[model.wrap_type == int(mujoco.mjtWrap.mjWRAP_SITE)].tolist()
-    return {model.site(i).name for i in (*measured, *through)}
 
 
 def _names(tools: list[Tool], kind: str) -> str:

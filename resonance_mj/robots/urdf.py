@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from ..errors import RobotError
+from ..files import is_folder
 from ..text import listed, shown
 
 READABLE = (".stl", ".obj", ".msh")
@@ -41,15 +42,18 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
         notes: get a line of meshes that are left out though bodies could touch them.
 
     Raises:
-        RobotError: a mesh that bodies can touch is in no package that is found.
+        RobotError: a given folder, or the package of a mesh that bodies can touch, is not there.
     """
+    for folder in packages:
+        if not is_folder(folder):
+            raise RobotError(f"robot.packages = {shown(folder)}: no such folder")
     try:
         root = ElementTree.parse(path).getroot()
     except ElementTree.ParseError:  # MuJoCo takes what other readers do not, as unbound prefixes
         return mujoco.MjSpec.from_file(str(path.absolute()))
     compiler = _child(_child(root, "mujoco"), "compiler")
     compiler.set("discardvisual", "false")
-    folder = path.absolute().parent / compiler.get("meshdir", "")
+    beside = path.absolute().parent / compiler.get("meshdir", "")
     folders: dict[str, list[Path]] = {}
     untouched = []
     for link in root.iter("link"):
@@ -64,33 +68,47 @@ def read(path: Path, packages: tuple[str, ...], notes: list[str]) -> mujoco.MjSp
                         f"{path}: mesh {shown(given)}: no such package is found: give the folder "
                         f"that holds it as robot.packages, or in {ROS_PATH}"
                     )
-                file = folder / mesh.get("filename", "")
+                file = beside / mesh.get("filename", "")
                 readable = file.suffix.lower() in READABLE
                 if shape.tag == "collision" and not readable:
                     untouched.append(file.name)
                 if not readable or (shape.tag == "visual" and not file.is_file()):
                     link.remove(shape)
-    made = [str(link.get("name")) for link in root.iter("link") if _made_possible(link)]
+    moved = {
+        str(child.get("link"))
+        for joint in root.iter("joint")
+        if joint.get("type") != "fixed"
+        for child in joint.findall("child")
+    }
+    made = [str(link.get("name")) for link in root.iter("link") if _made_possible(link, moved)]
     if made:
-        notes.append(f"no body has such inertias, the nearest possible are taken: {listed(made)}")
+        notes.append(
+            f"no body has such inertias, the nearest possible are taken: {listed(made, most=8)}"
+        )
     if untouched:
         notes.append(
-            f"bodies do not touch where MuJoCo cannot read the mesh: {listed(sorted({*untouched}))}"
+            "bodies do not touch where MuJoCo cannot read the mesh: "
+            f"{listed(sorted({*untouched}), most=8)}"
         )
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.modelfiledir = f"{path.absolute().parent}{os.sep}"
     return spec
 
 
-def _made_possible(link: ElementTree.Element) -> bool:
-    """Whether a link had an inertia that no body can have, and has the nearest possible now."""
+def _made_possible(link: ElementTree.Element, moved: set[str]) -> bool:
+    """Whether a link had an inertia that no body can have, and has the nearest possible now.
+
+    None at all is possible for what is fixed to another link.
+    """
     inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
     try:
         kilograms = float("nan" if mass is None else mass.get("value", "nan"))
         six = [float("nan" if inertia is None else inertia.get(key, "0")) for key in _SIX]
     except ValueError:  # which MuJoCo says better
         return False
-    if inertia is None or not kilograms > 0 or not (any(six) and np.isfinite(six).all()):
+    if inertia is None or not kilograms > 0 or not np.isfinite(six).all():
+        return False
+    if not any(six) and link.get("name") not in moved:
         return False
     xx, xy, xz, yy, yz, zz = six
     moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

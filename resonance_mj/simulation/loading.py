@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ..errors import ExperimentError
@@ -60,11 +58,7 @@ def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Spr
 
 
 def _first_springs(plan: Plan) -> LinearSprings:
-    """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed.
-
-    Raises:
-        ExperimentError: they are given outside their bounds.
-    """
+    """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed."""
     bounds, adapts = plan.experiment.springs, plan.law.adapts
     k = np.asarray(bounds.initial_stiffness, float)
     if adapts:
@@ -90,7 +84,7 @@ def _first_springs(plan: Plan) -> LinearSprings:
 
 
 def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
-    """Write the tables of a cycle of the run into the memory."""
+    """Write the tables of a cycle of the run into the memory, and what its law is told of it."""
     samples = plan.desired(cycle)
     steps = len(samples.x)
     memory["x_desired"][index, :steps] = samples.x
@@ -103,37 +97,18 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
         moved = np.diff(samples.x, axis=0, prepend=before[None])
         velocity = moved / plan.experiment.simulation.timestep
         memory["dx_desired"][index, :steps, :positions] = velocity[:, :positions]
-    for what in plan.law.told:
-        TELL[what](memory, index, plan, cycle)
-
-
-def _tell_joints(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
-    """The desired joint angles and velocities."""
-    q, dq, ddq = plan.joint_motion(cycle)
-    if plan.experiment.simulation.integrator != "RK4":
-        # After a semi-implicit step q is that of its end, and q̇ that of its middle.
-        dq = dq - 0.5 * plan.experiment.simulation.timestep * ddq
-    memory["q_desired"][index, : len(q)] = q
-    memory["dq_desired"][index, : len(q)] = dq
-
-
-def _tell_springs(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
-    """The springs that are the best for the motion."""
-    best = plan.optima[plan.schedule[cycle]]
-    load_springs(memory, index, best.springs, plan.experiment.springs)
-
-
-def _tell_torque(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
-    """The motors' torque that makes the desired motion with these springs, by inverse dynamics."""
-    segment = plan.schedule[cycle]
-    best, joints = plan.optima[segment], plan.joint_motion(cycle)
-    needed = plan.loaded[segment].torque(joints)
-    memory["learned"][index, : len(needed)] = needed - best.springs.torque(joints.q)
-
-
-TELL: dict[str, Callable[[Memory, int, Plan, int], None]] = {
-    "joints": _tell_joints,
-    "springs": _tell_springs,
-    "torque": _tell_torque,
-}
-"""What a law may be told of a cycle, by the names that laws.LAWS uses."""
+    told, segment = plan.law.told, plan.schedule[cycle]
+    if "joints" in told:
+        q, dq, ddq = plan.joint_motion(cycle)
+        if plan.experiment.simulation.integrator != "RK4":
+            # After a semi-implicit step q is that of its end, and q̇ that of its middle.
+            dq = dq - 0.5 * plan.experiment.simulation.timestep * ddq
+        memory["q_desired"][index, : len(q)] = q
+        memory["dq_desired"][index, : len(q)] = dq
+    if "springs" in told:
+        load_springs(memory, index, plan.optima[segment].springs, plan.experiment.springs)
+    if "torque" in told:  # of the motors that makes the desired motion with the best springs
+        joints = plan.joint_motion(cycle)
+        needed = plan.loaded[segment].torque(joints)
+        springs = plan.optima[segment].springs
+        memory["learned"][index, : len(needed)] = needed - springs.torque(joints.q)

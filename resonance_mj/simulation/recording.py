@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -23,6 +24,9 @@ POSES = 8
 HARDER, GROWN = 3.0, 10.0
 """Multiples of torque² without springs, and of the lowest before, above which a run diverges."""
 
+FIGURES = ("torque_squared", "tracking_rms", "rotation_rms", "singular_value")
+"""What is measured of each whole cycle."""
+
 Signals = dict[str, np.ndarray]
 """What a cycle's control steps recorded, by the names of `COLUMNS`, and x_desired (N, ·)."""
 
@@ -40,15 +44,7 @@ class Recording:
         }
         self._cycles: dict[str, list[np.ndarray | float]] = {
             name: []
-            for name in (
-                "torque_squared",
-                "tracking_rms",
-                "rotation_rms",
-                "singular_value",
-                "stiffness_per_cycle",
-                "offset_per_cycle",
-                "center_per_cycle",
-            )
+            for name in (*FIGURES, *(f"{name}_per_cycle" for name in LinearSprings._fields))
         }
         self._time = 0.0
         self.last: dict[int, LastCycle] = {}
@@ -97,13 +93,10 @@ class Recording:
             self._samples["center"].append(center)
             self._samples["time"].append(self._time + np.arange(steps) * self._dt)
             self._samples["cycle_of_sample"].append(np.full(steps, cycle + 1))
-        if whole:
-            self._add_whole(cycle, signals, springs)
-            self._time += steps * self._dt
-
-    def _add_whole(self, cycle: int, signals: Signals, springs: LinearSprings) -> None:
-        robot, found = self._robot, self._cycles
-        tau, q, steps = signals["tau"], signals["q"], len(signals["q"])
+        if not whole:
+            return
+        self._time += steps * self._dt
+        robot, found, tau, q = self._robot, self._cycles, signals["tau"], signals["q"]
         by_joint = np.einsum("tj,tj->j", tau, tau) / steps
         found["torque_squared"].append(float(by_joint.sum()))
         self.hardest = robot.joints[int(by_joint.argmax())]
@@ -156,26 +149,29 @@ class Recording:
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
         optima = self.optima(size)
         cycles = len(self._cycles["torque_squared"])
-        width = {"x": robot.m, "x_desired": robot.m, "time": 0, "cycle_of_sample": 0}
-        values: dict[str, np.ndarray] = {
-            name: _joined(parts, width.get(name, robot.n)) for name, parts in self._samples.items()
+        width = {"joint": robot.n, "axis": robot.m}
+
+        def joined(name: str, parts: Sequence[np.ndarray | float]) -> np.ndarray:
+            """All parts in a row, as a variable has them; there may be none."""
+            _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
+            values = np.concatenate([np.empty(0), *map(np.ravel, parts)])
+            return values.reshape(-1, *(width[dim] for dim in dims))
+
+        values = {name: joined(name, parts) for name, parts in self._samples.items()}
+        values |= {
+            name: joined(name, parts)
+            for name, parts in self._cycles.items()
+            if name != "rotation_rms" or robot.rotates
         }
-        for name, rows in self._cycles.items():
-            if name != "rotation_rms" or robot.rotates:
-                of_joints = (robot.n,) if name.endswith("_per_cycle") else ()
-                values[name] = np.array(rows, float).reshape(cycles, *of_joints)
         segment = self._segment[:cycles]
         values["cycle_of_sample"] = values["cycle_of_sample"].astype(int)
         values["segment_of_sample"] = self._segment[values["cycle_of_sample"] - 1] + 1
         for suffix in ("", "_per_cycle"):
             k, offset, center = (values[f"{name}{suffix}"] for name in LinearSprings._fields)
             values[f"equilibrium{suffix}"] = equilibrium_angles(k, offset, center)
-        for name in ("stiffness", "offset", "equilibrium"):
+        for name in ("stiffness", "offset", "equilibrium", "torque_squared"):
             values[f"{name}_optimal"] = np.array([getattr(best, name) for best in optima])
-        values["torque_squared_optimal"] = np.array([best.torque_squared for best in optima])
-        values["torque_squared_without_springs"] = without = np.array(
-            [best.torque_squared_without_springs for best in optima]
-        )
+        without = np.array([best.torque_squared_without_springs for best in optima])
         best_torque = [
             optima[self._segment[part[0] - 1]].torque[: len(part)]
             for part in self._samples["cycle_of_sample"]
@@ -195,7 +191,8 @@ class Recording:
                 "axis": list(robot.axes),
                 "segment_of_cycle": segment + 1,
                 "passage": np.array([plan.blending(i) is not None for i in range(cycles)], int),
-                "tau_optimal": _joined(best_torque, robot.n),
+                "torque_squared_without_springs": without,
+                "tau_optimal": joined("tau_optimal", best_torque),
                 "torque_reduction": reduced,
                 "torque_share": metrics.share(reduced, optimal[segment]),
                 "size": size,
@@ -241,10 +238,3 @@ def _sizes(plan: Plan) -> np.ndarray:
 def _rms(miss: np.ndarray) -> float:
     """Root mean square of the length of a vector over a cycle (N, ·)."""
     return math.sqrt(np.vdot(miss, miss) / len(miss))
-
-
-def _joined(parts: list[np.ndarray], width: int) -> np.ndarray:
-    """Parts in a row; of no parts an empty array of `width` columns, of one dimension if 0."""
-    if parts:
-        return np.concatenate(parts)
-    return np.empty((0, width) if width else 0)

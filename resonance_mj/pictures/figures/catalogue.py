@@ -12,12 +12,20 @@ from typing import TYPE_CHECKING
 
 from ...errors import PictureError
 from ...text import nearest, shown
-from .sizes import PAGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...results.run import Run
+
+COLUMN, PAGE = 3.5, 7.16
+"""Widths of a column and of a page with two columns in IEEE's journals [in]."""
+
+FORMATS = ("svg", "png")
+"""As what a figure is written if nothing else is asked for."""
+
+DPI, DRAFT = 300.0, 170.0
+"""Pixels per inch of a PNG, and of the one that each run leaves: in print, and on a screen."""
 
 SAMPLES, CYCLE, RECORDED_CYCLE = "samples in time", "a whole cycle", "a whole cycle with samples"
 """What a run may be needed to have."""
@@ -142,13 +150,11 @@ def named(name: str) -> Entry:
     Raises:
         PictureError: there is none.
     """
-    for entry in FIGURES:
-        if entry.name == name:
-            return entry
-    names = [entry.name for entry in FIGURES]
-    raise PictureError(
-        f"figure {shown(name)} is unknown{nearest(name, names)}; there are {', '.join(names)}"
-    )
+    found = {entry.name: entry for entry in FIGURES}
+    if name not in found:
+        there = f"{nearest(name, [*found])}; there are {', '.join(found)}"
+        raise PictureError(f"figure {shown(name)} is unknown{there}")
+    return found[name]
 
 
 def _has(run: Run, needs: str) -> bool:

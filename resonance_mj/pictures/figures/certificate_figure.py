@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from ...evaluation.certificates.certificates import ROUNDING, Certificate, Certificates
 from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
+from .catalogue import PAGE
 from .sheet import Row, Sheet
-from .sizes import PAGE
-from .style import SMALL, one_of, styled
+from .style import one_of, remark, styled
 from .ticks import counted, even, logarithmic
 
 NARROW = 2.4
@@ -74,14 +74,7 @@ def _passivity(ax: Axes, item: Certificate, found: Certificates) -> None:
     if others.size and first > 3 * others.max() > 0:
         low, high = min(0.0, others.min()), max(others.max(), found.enough)
         ax.set_ylim(low - 0.1 * (high - low), high + 0.2 * (high - low))
-        ax.annotate(
-            f"{first:.3g} in cycle {item.cycles[0]}",
-            (0.2, 0.92),
-            xycoords="axes fraction",
-            va="center",
-            color=NOTE,
-            fontsize=SMALL,
-        )
+        remark(ax, f"{first:.3g} in cycle {item.cycles[0]}", (0.2, 0.92), va="center")
     even(ax)
     _mark(ax, item, item.values, "fails")
 

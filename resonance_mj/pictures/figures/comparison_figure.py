@@ -15,8 +15,8 @@ from ...evaluation.comparison import Comparison
 from ...results.run import Run
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycle_axis
+from .catalogue import PAGE
 from .sheet import Row, Sheet
-from .sizes import PAGE
 from .style import SMALL, styled
 from .ticks import logarithmic
 
@@ -66,15 +66,8 @@ def figure(comparison: Comparison, width: float = PAGE) -> Figure:
     axes[0].axhline(1.0, color=DESIRED, linewidth=0.6)
     if long:
         title = "the last motion repeated"
-        _long_runs(
-            sheet.panel(
-                over_cycles,
-                0,
-                f"{title}: as (a) [1]; a cross where a law diverged",
-                f"{title} [1]",
-            ),
-            long,
-        )
+        full = f"{title}: as (a) [1]; a cross where a law diverged"
+        _long_runs(sheet.panel(over_cycles, 0, full, f"{title} [1]"), long)
     for ax in sheet.figure.axes:
         logarithmic(ax)
     _legend(sheet.figure, comparison, 1 - (LEGEND - 0.12) / width)

@@ -18,12 +18,7 @@ from .ticks import counted, logarithmic
 
 
 def draw(runs: Sequence[Run], width: float) -> Figure:
-    """Torque² as a multiple of each run's own optimum, and the tool's errors, of each cycle.
-
-    Args:
-        runs: with at least one whole cycle each.
-        width: of the figure [in].
-    """
+    """Torque² as a multiple of each run's own optimum, and the tool's errors, of each cycle."""
     lines = [one_of(i) for i in range(len(runs))]
     rows = [Row(1.7), *[Row(1.3)] * len(cycle_axis.errors(runs))]
     legend = dict(zip(_labels(runs), lines, strict=True))

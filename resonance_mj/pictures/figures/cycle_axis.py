@@ -11,19 +11,17 @@ from matplotlib.axes import Axes
 from ...experiments.experiment import Experiment
 from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run, Status
-from ..palette import MUTED, NOTE
+from ..palette import DESIRED, MUTED
 from .measuring import fitting
-from .style import LABEL_BOX, LINES, SMALL
+from .style import LABEL_BOX, LINES, SMALL, remark
 from .ticks import breadth, counted, logarithmic
 
 
 def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
     """Mark which cycles belong to which motion, and in grey those of the passage into it.
 
-    Args:
-        ax: over cycles; its abscissa is set to all that the experiment has.
-        experiment: that was run.
-        named: write the motions' numbers at the top.
+    The abscissa is set to all cycles of the experiment; `named` writes the motions' numbers at
+    the top.
     """
     first = 0
     for number, motion in enumerate(experiment.motion, start=1):
@@ -32,15 +30,8 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
         if motion.blend:
             ax.axvspan(first + 0.5, first + motion.blend + 0.5, color="0.93", linewidth=0, zorder=0)
         if named:
-            ax.annotate(
-                f"motion {number}",
-                (first + 0.5 + motion.cycles / 2, 0.98),
-                xycoords=("data", "axes fraction"),
-                ha="center",
-                va="top",
-                color=NOTE,
-                fontsize=SMALL,
-            )
+            middle, across = (first + 0.5 + motion.cycles / 2, 0.98), ("data", "axes fraction")
+            remark(ax, f"motion {number}", middle, xycoords=across, ha="center", va="top")
         first += motion.cycles
     ax.set_xlim(0.5, first + 0.5)
     counted(ax)
@@ -64,10 +55,8 @@ def errors(runs: Sequence[Run]) -> dict[str, list[np.ndarray]]:
         ("tracking RMS of the tool's rotation [rad]", "rotation_rms", 1.0),
     ):
         if any(name in run.data for run in runs):
-            none = [np.full(run.data.sizes["cycle"], np.nan) for run in runs]
             found[title] = [
-                scale * run.data[name].values if name in run.data else other
-                for run, other in zip(runs, none, strict=True)
+                scale * run.data.get(name, np.nan * run.data["tracking_rms"]).values for run in runs
             ]
     return found
 
@@ -117,21 +106,21 @@ def _reductions(ax: Axes, run: Run) -> None:
                 f"{share:.1%} less ({of.replace('optimum', 'of').removesuffix(' less')})",
                 f"{share:.1%}",
             ]
-        ax.annotate(
+        height = motion.torque_squared_without_springs or ax.get_ylim()[0]
+        remark(
+            ax,
             fitting(wordings, SMALL, width * motion.cycles.size - 0.06),
-            (motion.cycles[-1] + 0.5, motion.torque_squared_without_springs or ax.get_ylim()[0]),
-            xytext=(-2, 3),
-            textcoords="offset points",
-            ha="right",
-            fontsize=SMALL,
-            bbox=LABEL_BOX,
+            (motion.cycles[-1] + 0.5, height),
+            **{"xycoords": "data", "xytext": (-2, 3), "textcoords": "offset points"},
+            **{"ha": "right", "color": DESIRED, "bbox": LABEL_BOX},
         )
 
 
 def ratio(run: Run) -> np.ndarray:
     """Torque² of each cycle as a multiple of the optimum's (cycles,); NaN where that is 0."""
-    best = np.concatenate(
-        [np.full(motion.cycles.size, motion.torque_squared_optimal) for motion in run.motions]
+    sizes, best = zip(
+        *((motion.cycles.size, motion.torque_squared_optimal) for motion in run.motions),
+        strict=True,
     )
-    squared = run.data["torque_squared"].values
-    return np.divide(squared, best, out=np.full(squared.shape, np.nan), where=best > 0)
+    whole = np.repeat(best, sizes)
+    return run.data["torque_squared"].values / np.where(whole > 0, whole, np.nan)

@@ -22,12 +22,7 @@ LEGEND: dict[str, Line] = {
 
 
 def draw(run: Run, width: float) -> Figure:
-    """Torque² with the optimum's and that without springs, and tracking RMS, of each cycle.
-
-    Args:
-        run: with at least one whole cycle.
-        width: of the figure [in].
-    """
+    """Torque² with the optimum's and that without springs, and tracking RMS, of each cycle."""
     errors = cycle_axis.errors([run])
     rows = [Row(1.7), *[Row(1.1)] * len(errors)]
     sheet = Sheet(width, rows, heading=heading(run), legend=LEGEND)

@@ -16,12 +16,7 @@ FINE, HINTED = 1200, 1.05
 
 @lru_cache(maxsize=4096)
 def width_of(text: str, size: float) -> float:
-    """Width of a line in the default font, with a margin [in].
-
-    Args:
-        text: without mathematics.
-        size: of the font [pt].
-    """
+    """Width of a line of text without mathematics, with a margin [in]; `size` of the font [pt]."""
     font = get_font(findfont(FontProperties()))
     font.set_size(size, FINE)
     font.set_text(text)
@@ -51,13 +46,7 @@ def fitting(wordings: Sequence[str], size: float, width: float, name: str = "") 
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
-    """A text as lines that fit.
-
-    Args:
-        text: of one paragraph.
-        size: of the font [pt].
-        width: there is [in].
-    """
+    """A paragraph as lines that fit `width` [in]; `size` of the font [pt]."""
     longest = len(text)
     while True:
         lines = wrap(text, longest) or [""]

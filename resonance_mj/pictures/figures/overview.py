@@ -8,11 +8,10 @@ from matplotlib.figure import Figure
 
 from ...results.run import Run
 from ...text import minus, of_joint
-from ..palette import NOTE
 from . import cycle_axis
 from .measuring import fitting
 from .sheet import Row, Sheet, abscissa_of_the_panel_below, heading
-from .style import LABEL_BOX, LINES, SMALL
+from .style import LABEL_BOX, LINES, SMALL, remark
 from .ticks import breadth, even
 from .windows import Windows
 
@@ -37,10 +36,6 @@ def draw(run: Run, width: float) -> Figure:
 
     Signals that repeat with the motion are shown where something happens: at the start, around
     each change of motion and at the end.
-
-    Args:
-        run: with at least one recorded sample.
-        width: of the figure [in].
     """
     data = run.data
     axes, joints = data["axis"].values.tolist(), data["joint"].values.tolist()
@@ -123,11 +118,5 @@ def _steady_limits(ax: Axes, run: Run, joint: int, unit: str) -> None:
     largest = int(np.argmax(np.abs(torque)))
     if not low - margin <= torque[largest] <= high + margin:
         said = minus(f"peak {torque[largest]:.3g} {unit}")
-        ax.annotate(
-            fitting([f"{said} at {data['time'].values[largest]:.2f} s", said], SMALL, breadth(ax)),
-            (0.01, 0.03),
-            xycoords="axes fraction",
-            color=NOTE,
-            fontsize=SMALL,
-            bbox=LABEL_BOX,
-        )
+        when = f"{said} at {data['time'].values[largest]:.2f} s"
+        remark(ax, fitting([when, said], SMALL, breadth(ax)), (0.01, 0.03), bbox=LABEL_BOX)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,34 +34,16 @@ LEGEND: dict[str, Line] = {
 }
 
 
-class Pair(NamedTuple):
-    """The cycles of a motion that are drawn: the first after the passage into it, and the last."""
-
-    first: Cycle
-    last: Cycle
-
-    @property
-    def cycles(self) -> dict[str, Cycle]:
-        """By what the legend calls them; one that is both is the last."""
-        found = {FIRST: self.first, LAST: self.last}
-        return found if self.first.number != self.last.number else {LAST: self.last}
+Pair = dict[str, Cycle]
+"""The cycles of a motion that are drawn, by what the legend calls them; `LAST` is always there."""
 
 
 def draw(run: Run, width: float) -> Figure:
-    """Of each motion the path in its own plane; beside it error and rotation over the cycle.
-
-    Args:
-        run: with a whole cycle whose samples were kept.
-        width: of the figure [in].
-    """
+    """Of each motion the path in its own plane; beside it error and rotation over the cycle."""
     axes = run.data["axis"].values.tolist()
     places = [name for name in axes if not name.startswith("r")]
     m = len(places)
-    over: dict[str, Callable[[Cycle], np.ndarray] | int] = {
-        "distance from where it should be [mm]": lambda one: (
-            1e3 * np.linalg.norm(one.x[:, :m] - one.x_desired[:, :m], axis=1)
-        )
-    }
+    over: dict[str, int | None] = {"distance from where it should be [mm]": None}
     over |= {f"tool rotation {name} [rad]": m + i for i, name in enumerate(axes[m:])}
     pairs = first_and_last(run)
     beside = width >= BESIDE
@@ -77,12 +58,12 @@ def draw(run: Run, width: float) -> Figure:
     )
     for index, pair in enumerate(pairs):
         top = index * len(block)
-        numbers = [cycle.number for cycle in pair.cycles.values()]
+        numbers = [cycle.number for cycle in pair.values()]
         rms = [length(float(run.data["tracking_rms"].sel(cycle=one))) for one in numbers]
         ax = sheet.panel(
             top,
             0,
-            f"motion {pair.last.motion + 1}: cycle{'s' * (len(numbers) > 1)} "
+            f"motion {pair[LAST].motion + 1}: cycle{'s' * (len(numbers) > 1)} "
             f"{joined([*map(str, numbers)])}",
             notes=[f"tracking RMS {joined(rms)}"],
             down=len(block) if beside else 1,
@@ -90,11 +71,15 @@ def draw(run: Run, width: float) -> Figure:
         _path(ax, pair, places)
         for row, (title, what) in enumerate(over.items(), start=len(block) - len(over)):
             ax = sheet.panel(top + row, int(beside), title)
-            if isinstance(what, int):
-                _coordinate(ax, pair, what)
-            else:
-                _over_the_cycle(ax, pair, what)
+            if what is None:
+                off = {
+                    label: 1e3 * np.linalg.norm((one.x - one.x_desired)[:, :m], axis=1)
+                    for label, one in pair.items()
+                }
+                _over_the_cycle(ax, off)
                 logarithmic(ax)
+            else:
+                _coordinate(ax, pair, what)
             if row < len(block) - 1:
                 abscissa_of_the_panel_below(ax)
     return sheet.figure
@@ -112,42 +97,39 @@ def _rows(over: int, beside: bool) -> list[Row]:
 
 def first_and_last(run: Run) -> list[Pair]:
     """Of each motion that was reached, the first kept cycle after the passage, and the last."""
-    motions: dict[int, list[Cycle]] = {}
+    motions: dict[int, Pair] = {}
     for cycle in kept(run):
-        motions.setdefault(cycle.motion, []).append(cycle)
+        pair = motions.setdefault(cycle.motion, {})
+        first = pair.get(FIRST)
+        if not first or (first.passage and not cycle.passage):
+            pair[FIRST] = cycle
+        pair[LAST] = cycle
     return [
-        Pair(next((cycle for cycle in mine if not cycle.passage), mine[0]), mine[-1])
-        for mine in motions.values()
+        {label: one for label, one in pair.items() if label == LAST or one is not pair[LAST]}
+        for pair in motions.values()
     ]
 
 
-class Plane(NamedTuple):
-    """A plane of the task space to draw a path in."""
-
-    directions: np.ndarray
-    """Its two directions, orthonormal (2, m)."""
-    labels: tuple[str, str]
-    """What they are called."""
-
-
-def plane_of(path: np.ndarray, names: Sequence[str]) -> Plane:
+def plane_of(path: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, list[str]]:
     """The plane that a path lies in: of two axes where it does not leave it, else the nearest.
 
     Args:
         path: positions (N, m) [m], m at least 2.
         names: of the axes (m,).
+
+    Returns:
+        Its two directions, orthonormal (2, m), and what each is called.
     """
     extent = np.ptp(path, axis=0)
     if len(names) == 2 or extent.min() <= FLAT * extent.max():
         chosen = sorted(np.argsort(-extent, kind="stable")[:2])
-        return Plane(np.eye(len(names))[chosen], (names[chosen[0]], names[chosen[1]]))
+        return np.eye(len(names))[chosen], [names[i] for i in chosen]
     directions = np.linalg.svd(path - path.mean(axis=0), full_matrices=False)[2][:2]
     largest = np.abs(directions).argmax(axis=1)
     directions = directions * np.sign(directions[np.arange(2), largest])[:, None]
-    first, second = (
+    return directions, [
         minus(f"along ({', '.join(f'{part:.2f}' for part in each + 0.0)})") for each in directions
-    )
-    return Plane(directions, (first, second))
+    ]
 
 
 def _path(ax: Axes, pair: Pair, names: Sequence[str]) -> None:
@@ -156,36 +138,32 @@ def _path(ax: Axes, pair: Pair, names: Sequence[str]) -> None:
         _coordinate(ax, pair, 0)
         ax.set_ylabel(f"{names[0]} [m]")
         return
-    plane = plane_of(pair.last.x_desired[:, :m], names)
-    for label, cycle in pair.cycles.items():
-        points = cycle.x[:, :m] @ plane.directions.T
+    directions, labels = plane_of(pair[LAST].x_desired[:, :m], names)
+    for label, cycle in pair.items():
+        points = cycle.x[:, :m] @ directions.T
         # One that is not periodic yet stays open.
-        ax.plot(*(_closed(points) if cycle is pair.last else points).T, **LEGEND[label])
-    desired = pair.last.x_desired[:, :m] @ plane.directions.T
+        ax.plot(*(_closed(points) if cycle is pair[LAST] else points).T, **LEGEND[label])
+    desired = pair[LAST].x_desired[:, :m] @ directions.T
     ax.plot(*_closed(desired).T, **LEGEND["desired"])
     ax.plot(*desired[0], **LEGEND[START])
     equal(ax)
-    ax.set_xlabel(f"{plane.labels[0]} [m]")
-    ax.set_ylabel(f"{plane.labels[1]} [m]")
+    ax.set(xlabel=f"{labels[0]} [m]", ylabel=f"{labels[1]} [m]")
     abscissa(ax)
     even(ax, 6)
 
 
 def _coordinate(ax: Axes, pair: Pair, axis: int) -> None:
     """A coordinate over the cycle, with what is desired."""
-    _over_the_cycle(ax, pair, lambda one: one.x[:, axis])
-    desired = pair.last.x_desired[:, axis]
-    ax.plot(np.arange(len(desired)) / len(desired), desired, **LEGEND["desired"])
+    found = {label: cycle.x[:, axis] for label, cycle in pair.items()}
+    _over_the_cycle(ax, {**found, "desired": pair[LAST].x_desired[:, axis]})
     even(ax)
 
 
-def _over_the_cycle(ax: Axes, pair: Pair, signal: Callable[[Cycle], np.ndarray]) -> None:
-    """A signal (N,) over the cycle."""
-    for label, cycle in pair.cycles.items():
-        values = signal(cycle)
+def _over_the_cycle(ax: Axes, signals: Mapping[str, np.ndarray]) -> None:
+    """Signals (N,) over the cycle, by what the legend calls them."""
+    for label, values in signals.items():
         ax.plot(np.arange(len(values)) / len(values), values, **LEGEND[label])
-    ax.set_xlim(0, 1)
-    ax.set_xlabel("share of the cycle t/T [1]")
+    ax.set(xlim=(0, 1), xlabel="share of the cycle t/T [1]")
 
 
 def _closed(points: np.ndarray) -> np.ndarray:

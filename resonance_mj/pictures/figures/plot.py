@@ -1,4 +1,4 @@
-"""Draw figures of runs and write them: what `resonance-mj plot` does."""
+"""Draw figures of runs and write them as files, each complete before it takes its name."""
 
 from __future__ import annotations
 
@@ -6,12 +6,30 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
 from ...errors import PictureError
-from ...files import writable
+from ...files import replacing, writable
 from ...results.run import Run
 from ...text import shown
 from . import catalogue
-from .sizes import COARSEST, COLUMN, DPI, FINEST, FORMATS, KINDS, NARROWEST, PAGE, WIDEST
+from .catalogue import COLUMN, DPI, FORMATS, PAGE
+from .style import styled
+
+NARROWEST, WIDEST = 3.0, 20.0
+"""Widths of a figure [in]."""
+
+COARSEST, FINEST = 50, 1200
+"""Pixels per inch of a PNG."""
+
+KINDS = ("svg", "png", "pdf")
+"""As what a figure can be written."""
+
+MOST_PIXELS = 65000
+"""Along a side of a PNG; matplotlib draws no more than 65 535."""
 
 
 def plot(
@@ -44,8 +62,6 @@ def plot(
             figure shows.
         OutputError: the folder cannot be written.
     """
-    from .saving import save
-
     several = [runs] if isinstance(runs, Run) else list(runs)
     wide = _inches(width)
     _check(formats, dpi)
@@ -57,6 +73,43 @@ def plot(
     drawn = [(entry.stem or entry.name, entry.draw(several, wide)) for entry in chosen]
     folder = writable(folder)
     return [path for stem, each in drawn for path in save(each, folder, stem, formats, dpi)]
+
+
+@styled()
+def save(
+    drawn: Figure,
+    folder: Path,
+    name: str,
+    formats: Sequence[str] = FORMATS,
+    dpi: float = DPI,
+) -> list[Path]:
+    """Write a figure into `folder`.
+
+    Args:
+        drawn: the figure.
+        folder: that exists.
+        name: of the files, without their suffix.
+        formats: any of svg, png and pdf.
+        dpi: pixels per inch of a PNG; fewer where it would have more than matplotlib draws.
+
+    Returns:
+        The files, in the order of `formats`.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    paths = {kind: folder / f"{name}.{kind}" for kind in formats}
+    for kind, path in paths.items():
+        # Each canvas is told to print itself: Figure.savefig draws everything twice.
+        with replacing(path) as beside:
+            if kind == "svg":
+                FigureCanvasSVG(drawn).print_svg(beside, metadata={"Date": None})
+            elif kind == "pdf":
+                FigureCanvasPdf(drawn).print_pdf(beside, metadata={"CreationDate": None})
+            else:
+                drawn.set_dpi(min(dpi, MOST_PIXELS / max(drawn.get_size_inches())))
+                FigureCanvasAgg(drawn).print_png(beside, pil_kwargs={"compress_level": 6})
+    return list(paths.values())
 
 
 def _inches(width: str | float) -> float:

@@ -6,8 +6,8 @@ measure them, which takes longer than the simulation.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from collections.abc import Mapping, Sequence
+from itertools import chain, product
 from pathlib import Path
 from string import ascii_lowercase
 from typing import NamedTuple
@@ -17,9 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...results.run import Run
-from ..palette import NOTE
 from .measuring import fitting, width_of, wrapped
-from .style import FONT, GAP, HANDLE, HEADING, SMALL, Line
+from .style import FONT, GAP, HANDLE, HEADING, SMALL, Line, remark
 
 EDGE, RIGHT = 0.08, 0.12
 """Above the heading, and right of the panels [in]."""
@@ -68,7 +67,8 @@ class Sheet:
         self._rows, self._left = rows, left
         self._across = (width - columns * left - right) / columns
         self._beyond = min(left - 0.1, RIGHT - 0.03)  # a title may be wider than its panel
-        self._letters = _letters() if lettered else None
+        self._letters = chain(ascii_lowercase, map("".join, product(ascii_lowercase, repeat=2)))
+        self._lettered = lettered
         lines = wrapped(heading, HEADING, width - left - RIGHT)
         entries = _packed(legend or {}, width - left - RIGHT)
         small = 1.6 * SMALL / 72
@@ -123,7 +123,7 @@ class Sheet:
         ax = self.figure.add_axes(
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
-        letter = f"({next(self._letters)}) " if self._letters else ""
+        letter = f"({next(self._letters)}) " if self._lettered else ""
         room = wide + self._beyond
         pitch = 1.35 * SMALL  # of the notes [pt]
         titles = [letter + wording for wording in wordings]
@@ -132,15 +132,9 @@ class Sheet:
         title = fitting(titles, size, room, name)
         ax.set_title(title, fontsize=size, pad=4 + pitch * len(notes))
         for line, note in enumerate(reversed(notes)):
-            ax.annotate(
-                fitting([note], SMALL, room),
-                (0, 1),
-                xytext=(0, 4 + pitch * line),
-                xycoords="axes fraction",
-                textcoords="offset points",
-                fontsize=SMALL,
-                color=NOTE,
-            )
+            up = (0, 4 + pitch * line)
+            text = fitting([note], SMALL, room)
+            remark(ax, text, (0, 1), xytext=up, textcoords="offset points")
         return ax
 
     def alike(self, wordings: Sequence[str], names: Sequence[str]) -> Sequence[str]:
@@ -175,12 +169,6 @@ def heading(run: Run) -> str:
         f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, "
         f"law {Path(law.kind).stem}{form}, cycles {periods}; {run.status}"
     )
-
-
-def _letters() -> Iterator[str]:
-    """Letters that name panels: a, b, ..., z, aa, ab, ..."""
-    yield from ascii_lowercase
-    yield from map("".join, product(ascii_lowercase, repeat=2))
 
 
 def _packed(legend: Mapping[str, Line], room: float) -> list[dict[str, Line]]:

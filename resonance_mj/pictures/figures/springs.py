@@ -38,10 +38,6 @@ def draw(run: Run, width: float) -> Figure:
     """A panel per joint for the last whole cycle of each motion whose samples were kept.
 
     What the motion needs without springs is what spring and motor exerted together.
-
-    Args:
-        run: with a whole cycle whose samples were kept.
-        width: of the figure [in].
     """
     joints = run.data["joint"].values.tolist()
     last = {cycle.motion: cycle for cycle in kept(run)}
@@ -78,16 +74,20 @@ def draw(run: Run, width: float) -> Figure:
 
 
 class Exerted(NamedTuple):
-    """What spring and motor of a joint exerted in a cycle."""
+    """What spring and motor of a joint exerted in a cycle of N samples.
+
+    Attributes:
+        q: joint angle (N,) [rad].
+        spring: its torque (N,) [N m].
+        motor: its torque (N,) [N m].
+        stiffness: of the line fitted to the spring's torque over the angle [N m/rad]; 0 if it
+            stands still.
+    """
 
     q: np.ndarray
-    """Joint angle (N,) [rad]."""
     spring: np.ndarray
-    """Torque of the spring (N,) [N m]."""
     motor: np.ndarray
-    """Torque of the motor (N,) [N m]."""
     stiffness: float
-    """Of the line fitted to the spring's torque over the angle [N m/rad]; 0 if it stands still."""
 
     @property
     def still(self) -> bool:

@@ -8,8 +8,9 @@ from threading import RLock
 from typing import Any
 
 import matplotlib
+from matplotlib.axes import Axes
 
-from ..palette import DESIRED, MEASURED, MUTED, OPTIMAL, SERIES
+from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL, SERIES
 
 FONT, SMALL, HEADING = 8.0, 7.0, 9.0
 """Sizes of titles and labels, of numbers at the axes and remarks, and of the heading [pt]."""
@@ -76,6 +77,12 @@ def one_of(i: int) -> Line:
     """How the line of one of many joints or runs is drawn: the dashes change when colours recur."""
     again, colour = divmod(i, len(SERIES))
     return {"color": SERIES[colour], "linestyle": ("-", "--", ":", "-.")[again % 4]}
+
+
+def remark(ax: Axes, text: str, at: tuple[float, float], **settings: Any) -> None:
+    """Write small print at a place, in shares of the panel if nothing else is told."""
+    usual = {"xycoords": "axes fraction", "color": NOTE, "fontsize": SMALL}
+    ax.annotate(text, at, **{**usual, **settings})
 
 
 @contextmanager

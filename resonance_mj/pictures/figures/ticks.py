@@ -60,20 +60,23 @@ def counted(ax: Axes, what: str = "cycle") -> None:
 
 def equal(ax: Axes) -> None:
     """Both axes at the same scale, with room about what was drawn (before their ticks are set)."""
-    figure = ax.get_figure()
-    assert isinstance(figure, Figure)
-    inches = figure.get_size_inches() * ax.get_position().size
+    inches = _inches(ax)
     ends = np.array([_told_apart(*each) for each in ax.dataLim.get_points().T])
     reach = 0.58 * (np.diff(ends, axis=1)[:, 0] / inches).max() * inches
-    ax.set_xlim(ends[0].mean() - reach[0], ends[0].mean() + reach[0])
-    ax.set_ylim(ends[1].mean() - reach[1], ends[1].mean() + reach[1])
+    (left, right), (low, high) = zip(*(ends.mean(axis=1) + np.outer([-1, 1], reach)), strict=True)
+    ax.set(xlim=(left, right), ylim=(low, high))
 
 
 def breadth(ax: Axes) -> float:
     """Width of axes [in]."""
+    return float(_inches(ax)[0])
+
+
+def _inches(ax: Axes) -> np.ndarray:
+    """Width and height of axes [in]."""
     figure = ax.get_figure()
     assert isinstance(figure, Figure)
-    return float(figure.get_size_inches()[0] * ax.get_position().width)
+    return np.asarray(figure.get_size_inches() * ax.get_position().size)
 
 
 def _told_apart(low: float, high: float) -> tuple[float, float]:

@@ -32,13 +32,7 @@ class Windows:
         self._left = np.concatenate([[0.0], np.cumsum(widths)])
 
     def plot(self, ax: Axes, values: np.ndarray, **style: Any) -> None:
-        """Draw a signal over the windows.
-
-        Args:
-            ax: where.
-            values: the signal at each sample (N,).
-            style: of the line.
-        """
+        """Draw a signal (N,), given at each sample, over the windows in a style."""
         for (low, high), left in zip(self._spans, self._left, strict=False):
             for piece in _pieces(self._time, low, high):
                 ax.plot(self._time[piece] - low + left, values[piece], **style)
@@ -49,16 +43,17 @@ class Windows:
         room = breadth(ax) / end  # inches per second
         places: list[float] = []
         names: list[str] = []
+        taken = -np.inf
         for index, ((low, high), left) in enumerate(zip(self._spans, self._left, strict=False)):
             if index:
                 ax.axvspan(left - self._gap, left, color="0.93", linewidth=0, zorder=3)
             for tick in _ticks(low, high, room):
                 place, name = float(tick - low + left), f"{tick:g}"
                 half = width_of(name, SMALL) / 2 / room
-                before = places[-1] + width_of(names[-1], SMALL) / 2 / room if places else -np.inf
-                if place - half > before + 0.04 / room:
+                if place - half > taken + 0.04 / room:
                     places.append(place)
                     names.append(name)
+                    taken = place + half
         ax.set_xticks(places, names)
         ax.set_xlim(0, end)
         ax.set_xlabel("time [s]")

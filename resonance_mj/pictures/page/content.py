@@ -1,10 +1,11 @@
-"""What a report says of one run: a headline, its motions, its verdicts, its origin."""
+"""What a report says: of each run, and of several beside each other."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from ...experiments.expectations import Expect
 from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run
 from ...status import Status
-from ...text import NOTHING, duration, joined, length, minus, percent
+from ...text import NOTHING, duration, flat, joined, length, minus, percent, shown
+from .drawings import Figures
 
 
 @dataclass(frozen=True)
@@ -59,29 +61,94 @@ class Motion:
 
 @dataclass(frozen=True)
 class Content:
-    """What a report says of a run; `parts` of the page are filled from it.
+    """What a report says of a run.
 
     Attributes:
         run: the run.
         label: what the page calls it.
         anchor: begins the ids of its part of the page.
-        folder: name of the folder it was read from; empty for a run that was not.
-        motions: their last whole cycles.
-        verdicts: on what the experiment expects; empty where it expects nothing.
-        notes: what was found, changed or is doubtful; what could not be judged.
-        facts: what was run, name and value.
-        files: those of the user's own that the experiment names.
+        source: the folder it was read from; None for a run that was not.
+        figures: of the catalogue, each as a part of the page.
     """
 
     run: Run
     label: str
     anchor: str
-    folder: str
-    motions: tuple[Motion, ...]
-    verdicts: tuple[Judgement, ...]
-    notes: tuple[str, ...]
-    facts: tuple[tuple[str, str], ...]
-    files: tuple[str, ...]
+    source: Path | None
+    figures: Figures
+
+    @property
+    def folder(self) -> str:
+        """Name of the folder it was read from; empty for a run that was not."""
+        return self.source.resolve().name if self.source else ""
+
+    @property
+    def files(self) -> list[str]:
+        """The user's own files that the experiment names."""
+        return [one.path.name for one in self.run.inputs if one.key]
+
+    @cached_property
+    def motions(self) -> list[Motion]:
+        """Its motions and their last whole cycles."""
+        found = []
+        segments = self.run.summary()["segments"]
+        given = self.run.experiment.motion
+        for motion, asked, last in zip(self.run.motions, given, segments, strict=True):
+            angles = np.where(motion.stiffness, motion.equilibrium, np.nan)
+            last["equilibrium"] = angles[-1].tolist() if last["cycles"] else None
+            last["equilibrium_optimal"] = motion.equilibrium_optimal.tolist()
+            about = f"{asked.shape}, {asked.cycles} cycles of {duration(asked.period)}"
+            carried = f", payload {asked.payload:g} kg" if asked.payload else ""
+            found.append(Motion(motion.number, about + carried, asked.cycles, last))
+        return found
+
+    @cached_property
+    def judged(self) -> tuple[list[Judgement], str]:
+        """Verdicts on what the experiment expects, and why there are none."""
+        run = self.run
+        if run.experiment.expect == Expect():
+            return [], ""
+        try:
+            cases.fit(run.experiment, run.data["joint"].values.tolist(), run.experiment.name)
+            return list(judge(run)), ""
+        except ExperimentError as error:
+            return [], f"expectations are not judged: {error}"
+
+    @property
+    def verdicts(self) -> list[Judgement]:
+        """Verdicts on what the experiment expects; empty where it expects nothing."""
+        return self.judged[0]
+
+    @property
+    def notes(self) -> list[str]:
+        """What was found, changed or is doubtful; what could not be judged."""
+        return [*self.run.notes, *filter(None, self.judged[1:])]
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """What was run, by name."""
+        experiment, data = self.run.experiment, self.run.data
+        mjcf, law = experiment.robot.mjcf, experiment.law
+        built_in = library.robots().get(mjcf)
+        joints = data["joint"].values.tolist()
+        robot = f"{mjcf}: {library.line(built_in)}" if built_in else Path(mjcf).name
+        step = f"{1e3 * experiment.simulation.timestep:g} ms"
+        facts = {
+            "Robot": robot,
+            "Joints": f"{len(joints)}: {', '.join(joints)}",
+            "Task": f"{', '.join(data['axis'].values.tolist())} of the tool",
+            "Law": law.kind + (f", J {law.jacobian}" if law.jacobian else ""),
+            "Integration": f"{experiment.simulation.integrator}, a step each {step}",
+            "Simulated": f"{self.run.steps} steps in "
+            f"{self.run.simulation_wall_s:.2f} s of computing",
+        }
+        if data.attrs["thinned"]:
+            kept = len(set(data["cycle_of_sample"].values.tolist()))
+            facts["Samples"] = f"of {kept} of {data.sizes['cycle']} cycles were kept"
+        if self.source is not None:
+            made = datetime.fromtimestamp((self.source / "run.nc").stat().st_mtime)
+            facts["Made"] = f"{made:%Y-%m-%d %H:%M}"
+        return facts
 
     @property
     def joints(self) -> list[tuple[str, bool]]:
@@ -120,67 +187,32 @@ class Content:
         )
 
 
-def content(run: Run, label: str, anchor: str, folder: Path | None) -> Content:
-    """Gather what a report says of a run.
+def best(contents: Sequence[Content]) -> str:
+    """Which run saves the most motor torque in each motion, in a sentence."""
+    found: dict[str, list[str]] = {}
+    for motions in zip(*(each.motions for each in contents), strict=False):
+        shares = [motion.last["torque_reduction"] for motion in motions]
+        if None not in shares:
+            leader = max(range(len(shares)), key=shares.__getitem__)
+            place = f"{percent(shares[leader])} in motion {motions[0].number}"
+            found.setdefault(contents[leader].label, []).append(place)
+    if not found:
+        return f"{len(contents)} runs, which have no reduction of torque in common to compare."
+    said = "; ".join(f"{leader}, {joined(where)}" for leader, where in found.items())
+    return f"The greatest reduction of motor torque² against no springs: {said}."
 
-    Args:
-        run: the run.
-        label: what the page calls it.
-        anchor: begins the ids of its part of the page.
-        folder: where it was read from, if it was.
+
+def differences(runs: Sequence[Run]) -> dict[str, list[str]]:
+    """The keys in which the experiments differ, besides their names and what is expected.
+
+    Returns:
+        By key the value in each run; empty where the key is not given.
     """
-    verdicts: tuple[Judgement, ...] = ()
-    notes = run.notes
-    if run.experiment.expect != Expect():
-        try:
-            cases.fit(run.experiment, run.data["joint"].values.tolist(), run.experiment.name)
-            verdicts = tuple(judge(run))
-        except ExperimentError as error:
-            notes += (f"expectations are not judged: {error}",)
-    return Content(
-        run=run,
-        label=label,
-        anchor=anchor,
-        folder=folder.resolve().name if folder else "",
-        motions=tuple(_motions(run)),
-        verdicts=verdicts,
-        notes=notes,
-        facts=tuple(_facts(run, folder)),
-        files=tuple(one.path.name for one in run.inputs if one.key),
-    )
 
+    def written(value: object) -> str:
+        return "" if value is None else shown(value, 200).replace("'", "")
 
-def _motions(run: Run) -> Iterator[Motion]:
-    for motion, given, last in zip(
-        run.motions, run.experiment.motion, run.summary()["segments"], strict=True
-    ):
-        angles = np.where(motion.stiffness, motion.equilibrium, np.nan)
-        last["equilibrium"] = angles[-1].tolist() if last["cycles"] else None
-        last["equilibrium_optimal"] = motion.equilibrium_optimal.tolist()
-        about = f"{given.shape}, {given.cycles} cycles of {duration(given.period)}"
-        carried = f", payload {given.payload:g} kg" if given.payload else ""
-        yield Motion(motion.number, about + carried, given.cycles, last)
-
-
-def _facts(run: Run, folder: Path | None) -> list[tuple[str, str]]:
-    experiment, data = run.experiment, run.data
-    mjcf, law = experiment.robot.mjcf, experiment.law
-    built_in = library.robots().get(mjcf)
-    joints = data["joint"].values.tolist()
-    about = f": {library.line(built_in)}" if built_in else ""
-    step = f"{1e3 * experiment.simulation.timestep:g} ms"
-    facts = [
-        ("Robot", f"{mjcf if built_in else Path(mjcf).name}{about}"),
-        ("Joints", f"{len(joints)}: {', '.join(joints)}"),
-        ("Task", f"{', '.join(data['axis'].values.tolist())} of the tool"),
-        ("Law", law.kind + (f", J {law.jacobian}" if law.jacobian else "")),
-        ("Integration", f"{experiment.simulation.integrator}, a step each {step}"),
-        ("Simulated", f"{run.steps} steps in {run.simulation_wall_s:.2f} s of computing"),
-    ]
-    if data.attrs["thinned"]:
-        kept = len(set(data["cycle_of_sample"].values.tolist()))
-        facts.append(("Samples", f"of {kept} of {data.sizes['cycle']} cycles were kept"))
-    if folder is not None:
-        made = datetime.fromtimestamp((folder / "run.nc").stat().st_mtime)
-        facts.append(("Made", f"{made:%Y-%m-%d %H:%M}"))
-    return facts
+    tables = [flat(run.experiment.model_dump()) for run in runs]
+    keys = dict.fromkeys(key for table in tables for key in table)
+    rows = {key: [written(table.get(key)) for table in tables] for key in keys}
+    return {key: values for key, values in rows.items() if len(set(values)) > 1}

@@ -1,14 +1,17 @@
-"""A figure as a part of a page: drawn once, for every screen, and its names are its own."""
+"""Figures as parts of a page: drawn once, for every screen, and their names are their own."""
 
 from __future__ import annotations
 
 import io
 import re
+from collections.abc import Callable, Sequence
 
 from markupsafe import Markup, escape
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from ...results.run import Run
+from ..figures.catalogue import Entry
 from ..figures.style import STYLE, styled
 
 WIDTH = 4.8
@@ -16,14 +19,31 @@ WIDTH = 4.8
 which enlarges it by half. In the dark the page's style turns light and dark over."""
 
 
-def inline(drawn: Figure, name: str, title: str) -> Markup:
-    """Turn a figure into an SVG element.
+Figures = list[tuple[Entry, Markup]]
+"""Figures of the catalogue, each as a part of the page."""
+
+
+def figures(
+    entries: Sequence[Entry], runs: Sequence[Run], anchor: str, done: Callable[[], None]
+) -> Figures:
+    """Draw figures for a page.
 
     Args:
-        drawn: the figure.
-        name: begins every id in it: no other drawing of the page may have it.
-        title: what the drawing is called where it cannot be seen.
+        entries: which.
+        runs: of which runs.
+        anchor: begins their ids.
+        done: is called after each.
     """
+    drawn = []
+    for entry in entries:
+        figure = entry.draw(runs, WIDTH)
+        drawn.append((entry, _inline(figure, f"{anchor}-{entry.name}", entry.title)))
+        done()
+    return drawn
+
+
+def _inline(drawn: Figure, name: str, title: str) -> Markup:
+    """An SVG element, in which every id begins with a name that no other of the page has."""
     file = io.StringIO()
     # The ids are found from the salt: the same figure gives the same page.
     with styled({**STYLE, "svg.hashsalt": name}):

@@ -24,14 +24,11 @@ SIZES = {1: (1280, 720), 2: (1440, 600), 3: (1800, 600)}
 
 
 class Scene(NamedTuple):
-    """A span of the runs in a film."""
+    """A span of the runs, and where it begins in the film; all in seconds."""
 
     start: float
-    """[s of the run]"""
     stop: float
-    """[s of the run]"""
     at: float
-    """Where it begins in the film [s]."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +50,7 @@ class Film:
     labels: tuple[str, ...]
     times: np.ndarray
     speed: float
-    scenes: tuple[Scene, ...]
+    scenes: Sequence[Scene]
     size: tuple[int, int]
     mp4: bytes = b""
     poster: bytes = b""
@@ -70,25 +67,18 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
     shown_spans = spans(shown[0], end)
     total = sum(stop - start for start, stop in shown_spans)
     speed = total / min(max(total, LEAST), MOST)
-    parts: list[np.ndarray] = []
+    times = np.empty(0)
     scenes: list[Scene] = []
     for start, stop in shown_spans:
         try:
             part = frame_data.times(shown, start, stop, speed / FPS, given=False)
         except PictureError:  # None of its cycles were kept in all runs.
             continue
-        scenes.append(Scene(start, stop, sum(len(one) for one in parts) / FPS))
-        parts.append(part)
-    if not parts:
+        scenes.append(Scene(start, stop, len(times) / FPS))
+        times = np.append(times, part)
+    if not scenes:
         raise PictureError("the runs have no kept cycle in common")
-    return Film(
-        runs=shown,
-        labels=tuple(labels)[: len(shown)],
-        times=np.concatenate(parts),
-        speed=speed,
-        scenes=tuple(scenes),
-        size=SIZES[len(shown)],
-    )
+    return Film(shown, tuple(labels)[: len(shown)], times, speed, scenes, SIZES[len(shown)])
 
 
 def shoot(planned: Film, progress: video.Progress | None = None) -> Film:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import jinja2
@@ -14,86 +13,44 @@ from markupsafe import Markup
 
 from ... import text
 from ...evaluation.checks import convergence
-from ...results.run import Run, finite, versions
-from ..figures.catalogue import Entry
-from . import drawings
-from .comparing import best
-from .content import Content
-from .film import Film
-
-Figures = tuple[tuple[Entry, Markup], ...]
-"""Figures of the catalogue, each as a part of the page."""
+from ...results.run import finite, versions
+from .content import best
 
 
-@dataclass(frozen=True)
-class Page:
-    """All that a page shows.
-
-    Attributes:
-        title: of the page.
-        contents: of each run.
-        figures: of each run.
-        shared: figures that show all runs.
-        differences: between the runs' experiments.
-        film: None without.
-        film_note: why there is no film, or what it leaves out; empty if nothing is to be said.
-    """
-
-    title: str
-    contents: tuple[Content, ...]
-    figures: tuple[Figures, ...]
-    shared: Figures
-    differences: dict[str, list[str]]
-    film: Film | None
-    film_note: str
-
-    def html(self) -> str:
-        """The page as text."""
-        environment = jinja2.Environment(
-            loader=jinja2.PackageLoader(__package__, "templates"),
-            autoescape=True,
-            undefined=jinja2.StrictUndefined,
-            finalize=_placeless,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
-        environment.globals["judged"] = convergence
-        environment.filters |= {
-            "minus": text.minus,
-            "number": _data(text.number),
-            "percent": _data(text.percent),
-            "metres": _data(text.length),
-            "radians": _data(text.angle),
-        }
-        environment.filters["data_uri"] = _data_uri
-        environment.filters["json"] = lambda value: json.dumps(finite(value), indent=2)
-
-        def asset(name: str) -> Markup:
-            assert environment.loader is not None
-            return Markup(environment.loader.get_source(environment, name)[0])
-
-        return environment.get_template("page.html").render(
-            page=self, best=best, asset=asset, version=versions()["resonance-mj"]
-        )
-
-
-def figures(
-    entries: Sequence[Entry], runs: Sequence[Run], anchor: str, done: Callable[[], None]
-) -> Figures:
-    """Draw figures for a page.
+def html(**page: Any) -> str:
+    """The page as text.
 
     Args:
-        entries: which.
-        runs: of which runs.
-        anchor: begins their ids.
-        done: is called after each.
+        page: what the template shows: `title`; `contents` of each run; `shared`, the figures that
+            show all runs; `differences` between the runs' experiments; `film` or None, and
+            `film_note`, why there is none or what it leaves out.
     """
-    drawn = []
-    for entry in entries:
-        figure = entry.draw(runs, drawings.WIDTH)
-        drawn.append((entry, drawings.inline(figure, f"{anchor}-{entry.name}", entry.title)))
-        done()
-    return tuple(drawn)
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(__package__, "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        finalize=_placeless,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals["judged"] = convergence
+    environment.filters |= {
+        "minus": text.minus,
+        "number": _data(text.number),
+        "percent": _data(text.percent),
+        "metres": _data(text.length),
+        "radians": _data(text.angle),
+    }
+    environment.filters["data_uri"] = _data_uri
+    environment.filters["json"] = lambda value: json.dumps(finite(value), indent=2)
+
+    def asset(name: str) -> Markup:
+        assert environment.loader is not None
+        return Markup(environment.loader.get_source(environment, name)[0])
+
+    return environment.get_template("page.html").render(
+        page=page, best=best, asset=asset, version=versions()["resonance-mj"]
+    )
 
 
 def _data(written: Callable[..., str]) -> Callable[..., Markup]:

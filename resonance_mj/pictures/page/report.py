@@ -5,18 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...errors import OutputError, PictureError, RobotError
 from ...files import could_be_replaced, replacing, writable
 from ...results.run import Run
 from ...text import told_apart
 from . import film as films
-from .comparing import differences
-from .content import content
-
-if TYPE_CHECKING:
-    from .page import Page
 
 Progress = Callable[[int, int], None]
 Given = Run | str | os.PathLike[str]
@@ -57,6 +52,8 @@ def report(
         OutputError: a folder does not hold a run, or the report cannot be written; then there is
             none.
     """
+    from . import page
+
     given = [run] if isinstance(run, Run | str | os.PathLike) else list(run)
     if not given:
         raise OutputError("no run is given to report")
@@ -68,12 +65,12 @@ def report(
     names = labels or told_apart(
         [one.experiment.name for one in runs], [one.experiment.model_dump() for one in runs]
     )
-    page = _page(runs, folders, names, title, video, progress or (lambda done, of: None))
-    if note and page.film_note:
-        note(page.film_note)
+    content = _content(runs, folders, names, title, video, progress or (lambda done, of: None))
+    if note and content["film_note"]:
+        note(content["film_note"])
     writable(path.parent)
     with replacing(path) as beside:
-        beside.write_text(page.html(), encoding="utf-8")
+        beside.write_text(page.html(**content), encoding="utf-8")
     return path
 
 
@@ -86,16 +83,18 @@ def _destination(path: str | os.PathLike[str] | None, folders: list[Path | None]
     return could_be_replaced(Path(path))
 
 
-def _page(
+def _content(
     runs: list[Run],
     folders: list[Path | None],
     names: Sequence[str],
     title: str | None,
     video: bool,
     progress: Progress,
-) -> Page:
+) -> dict[str, Any]:
+    """What the page shows, with its pictures."""
     from ..figures import catalogue
-    from . import page
+    from . import drawings
+    from .content import Content, differences
 
     alone = len(runs) == 1
     anchors = ["run"] if alone else [f"run{number}" for number in range(1, len(runs) + 1)]
@@ -119,13 +118,17 @@ def _page(
                 said = f"The video shows the first {len(film.runs)} runs, not {left_out}."
         except (PictureError, RobotError) as error:
             said, done = f"No video: {error}", frames
-    parts = zip(of_each, runs, anchors, strict=True)
-    return page.Page(
-        title=title or " beside ".join(names),
-        contents=tuple(content(*each) for each in zip(runs, names, anchors, folders, strict=True)),
-        shared=page.figures(of_all, runs, "all", step),
-        figures=tuple(page.figures(entries, [run], anchor, step) for entries, run, anchor in parts),
-        differences={} if alone else differences(runs),
-        film=film,
-        film_note=said,
-    )
+    contents = [
+        Content(one, name, anchor, folder, drawings.figures(entries, [one], anchor, step))
+        for one, name, anchor, folder, entries in zip(
+            runs, names, anchors, folders, of_each, strict=True
+        )
+    ]
+    return {
+        "title": title or " beside ".join(names),
+        "contents": contents,
+        "shared": drawings.figures(of_all, runs, "all", step),
+        "differences": {} if alone else differences(runs),
+        "film": film,
+        "film_note": said,
+    }
