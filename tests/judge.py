@@ -82,7 +82,7 @@ def judge(run: rmj.Run) -> Judgement:
     last = (data["cycle_of_sample"] == data.sizes["cycle"]).values
     time, wanted = data["time"].values[last], data["x_desired"].values[last]
     tau, made = data["tau"].values[last], data["q"].values[last]
-    lead_in = data["q"].values[np.flatnonzero(last)[0] - 2 :]
+    lead_in = data["q"].values[np.flatnonzero(last)[0] - 1 :]
     dt = time[1] - time[0]
     low, high = robot.model.jnt_range[robot.joint_id].T
     weakest, strongest = robot.torque_limit.T
@@ -93,7 +93,7 @@ def judge(run: rmj.Run) -> Judgement:
     miss = x - wanted[:, : len(rows)]
     if robot.m == robot.n and not robot.rotates:
         desired = np.array([arm.solved(q, x, rows) for q, x in zip(made, wanted, strict=True)])
-        q, dq, ddq = _derivatives(np.concatenate([desired[-2:], desired, desired[:2]]), dt)
+        q, dq, ddq = _derivatives(np.concatenate([desired[-1:], desired, desired[:1]]), dt)
     else:
         q, dq, ddq = _derivatives(lead_in, dt)
     needed = np.array([arm.torque(*state) for state in zip(q, dq, ddq, strict=True)])
@@ -116,6 +116,7 @@ class _Arm:
         self.model, self.robot = copy(robot.model), robot
         off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
         self.model.opt.disableflags |= off
+        self.model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_INVDISCRETE
         self.model.jnt_stiffness[robot.joint_id] = 0.0
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:] = robot.qpos
@@ -160,12 +161,12 @@ class _Arm:
 
 
 def _derivatives(q, dt):
-    """Angles, velocities and accelerations of all samples but the two at each end."""
-    back2, back, ahead, ahead2 = q[:-4], q[1:-3], q[3:-1], q[4:]
-    here = q[2:-2]
-    velocity = (8 * (ahead - back) - (ahead2 - back2)) / (12 * dt)
-    acceleration = (16 * (ahead + back) - (ahead2 + back2) - 30 * here) / (12 * dt**2)
-    return here, velocity, acceleration
+    """Angles, velocities and accelerations of all samples but the first and the last.
+
+    As MuJoCo's time step has them: q advances by the velocity at the end of the step.
+    """
+    velocity = np.diff(q, axis=0) / dt
+    return q[1:-1], velocity[:-1], np.diff(velocity, axis=0) / dt
 
 
 def _left_over(q, torque) -> float:
