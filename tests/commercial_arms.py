@@ -1,25 +1,18 @@
-"""The arms that the robosuite wheel ships, as cases for the law: `python tests/commercial_arms.py`.
+"""Seven arms of robosuite's wheel, as cases for the law: `python tests/commercial_arms.py`.
 
-The wheel is taken apart, not installed: its MJCF files are all that is needed. The table that this
-prints is the one in docs/robots.md.
+The table that this prints is the second one in docs/robots.md.
 """
 
 from __future__ import annotations
 
-import subprocess
-import sys
-import tempfile
-import zipfile
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
+
+import wheels
+from judge import Judgement, judge
 
 import resonance_mj as rmj
 from resonance_mj.experiments.experiment import Experiment
 from resonance_mj.experiments.loading import for_robot
-from resonance_mj.springs.optimum import best_springs
-
-WHEEL = "robosuite==1.5.2"
 
 # The usual home poses [rad], from each arm's init_qpos in the wheel.
 USUAL_HOME = {
@@ -54,7 +47,9 @@ class Case:
             changes["task.coordinates"] = POSE
         if self.motion == "8 cm":
             changes["motion"] = [EIGHT_CM]
-        return for_robot(str(robots() / self.arm / "robot.xml")).replace(changes)
+        return for_robot(
+            str(wheels.folder("robosuite") / "robots" / self.arm / "robot.xml")
+        ).replace(changes)
 
 
 CASES = [
@@ -66,56 +61,10 @@ CASES = [
 ]
 
 
-@dataclass(frozen=True)
-class Found:
-    """What a case came to in its last cycle."""
-
-    run: rmj.Run
-    torque_ratio: float
-    reduction: float
-    tracking_rms: float
-    rotation_rms: float
-
-
-@cache
-def robots() -> Path:
-    """Folder of the arms' MJCF files, downloaded once per process."""
-    folder = Path(tempfile.gettempdir()) / f"resonance-mj-{WHEEL}"
-    assets = folder / "robosuite/models/assets/robots"
-    if not assets.is_dir():
-        folder.mkdir(exist_ok=True)
-        pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", WHEEL]
-        subprocess.run([*pip, "--dest", str(folder)], check=True)
-        (wheel,) = folder.glob("*.whl")
-        with zipfile.ZipFile(wheel) as archive:
-            arms = [f"models/assets/robots/{arm}/" for arm in USUAL_HOME]
-            names = [name for name in archive.namelist() if any(arm in name for arm in arms)]
-            archive.extractall(folder, names)
-        wheel.unlink()
-    return assets
-
-
-def measure(case: Case) -> Found:
-    """Run a case, and compare its last cycle with the bounded optimum of the motion made."""
+def measure(case: Case) -> tuple[rmj.Run, Judgement]:
+    """Run a case, and judge its last cycle against the bounded optimum of the motion made."""
     run = rmj.simulate(case.experiment())
-    data = run.data
-    last = data.sel(time=data["cycle_of_sample"] == data.sizes["cycle"])
-    q, center = last["q"].values, last["center"].values
-    spring = last["offset"].values - last["stiffness"].values * (q - center)
-    best = best_springs(
-        q,
-        last["tau"].values + spring,
-        center=q.mean(axis=0),
-        period=1.0,
-        bounds=run.experiment.springs,
-    )
-    return Found(
-        run=run,
-        torque_ratio=float(data["torque_squared"][-1]) / best.torque_squared,
-        reduction=1 - float(data["torque_squared"][-1]) / best.torque_squared_without_springs,
-        tracking_rms=float(data["tracking_rms"][-1]),
-        rotation_rms=float(data["rotation_rms"][-1]) if "rotation_rms" in data else 0.0,
-    )
+    return run, judge(run)
 
 
 def main() -> None:
@@ -130,12 +79,13 @@ def main() -> None:
     print("| " + " | ".join(heads) + " |")
     print("|" + "---|" * len(heads))
     for case in CASES:
-        found = measure(case)
-        turned = f"{found.rotation_rms * 1e3:.2f}" if case.task == "pose" else ""
+        run, found = measure(case)
+        (motion,) = run.motions
+        turned = f"{motion.rotation_rms[-1] * 1e3:.2f}" if case.task == "pose" else ""
         print(
-            f"| {case.arm} | {case.home} | {case.task} | {case.motion} | {found.run.status} | "
-            f"{found.reduction:.2%} | {found.torque_ratio:.4f} | {found.tracking_rms * 1e3:.3f} | "
-            f"{turned} | {found.run.motions[0].cycles_to_optimum or 'never'} |",
+            f"| {case.arm} | {case.home} | {case.task} | {case.motion} | {run.status} | "
+            f"{1 - found.torque_squared / found.without:.2%} | {found.ratio:.4f} | "
+            f"{found.rms * 1e3:.3f} | {turned} | {motion.cycles_to_optimum or 'never'} |",
             flush=True,
         )
 

@@ -152,9 +152,11 @@ def belied(note: str, run: rmj.Run, judged: Judgement | None) -> bool:
     kind = next(kind for sign, kind in SIGNS.items() if sign in note)
     if judged is None or not judged.good or run.status is not rmj.Status.OK:
         return False
-    return not {"singular": judged.singular, "range": judged.at_range, "motor": judged.at_motor}.get(
-        kind, False
-    )
+    return not {
+        "singular": judged.singular,
+        "range": judged.at_range,
+        "motor": judged.at_motor,
+    }.get(kind, False)
 
 
 def all_of(jobs: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterable[Outcome]:

@@ -1,0 +1,25 @@
+"""Arms that others made, with nothing given but their file: `make test-robots`."""
+
+import commercial_arms
+import pytest
+from public_arms import ARMS, measure
+
+import resonance_mj as rmj
+
+pytestmark = pytest.mark.robots
+
+
+@pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
+def test_an_arm_of_a_public_wheel_comes_to_what_is_expected_of_it(arm):
+    found = measure(str(arm.path), arm.changes)
+    assert not found.wrong_ok, f"says ok, and the judge finds {found.judged}"
+    assert found.meets(arm.expected), f"{found.status}: {found.said}"
+
+
+@pytest.mark.parametrize(
+    "case", commercial_arms.CASES, ids=lambda case: "-".join(vars(case).values())
+)
+def test_a_commercial_arm_reaches_the_bounded_optimum_and_tracks_within_20_cycles(case):
+    run, found = commercial_arms.measure(case)
+    assert run.status is rmj.Status.OK, run.message
+    assert found.good, found
