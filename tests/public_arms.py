@@ -1,8 +1,8 @@
-"""Arms that others made, as a user would run them: `python tests/public_arms.py WHAT`, WHAT being
+"""Arms that others made, run as a user would: `python tests/public_arms.py arms`, homes or shapes.
 
-arms     every file of public_arms.toml with nothing else given: the table of docs/robots.md;
-homes    four arms, position and pose, from seeded random home poses: `homes [HOW MANY of 160]`;
-shapes   the same arms, other shapes, periods and sizes: `shapes [HOW MANY of 127]`.
+arms: every file of public_arms.toml with nothing else given, the first table of docs/robots.md.
+homes: four arms, position and pose, from 160 seeded random home poses, or the first so many.
+shapes: the same arms, 127 seeded motions of other shapes, periods and sizes, or the first so many.
 
 All are judged by judge.py, which reads none of the program's own figures.
 """
@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 import wheels
-from judge import Judgement, judge
+from judge import OF_TORQUE, Judgement, judge
 
 import resonance_mj as rmj
 from resonance_mj.experiments.loading import for_robot
@@ -179,7 +179,8 @@ def arms() -> None:
         judged, said = found.judged, "" if found.at_optimum else found.said
         cells = [arm.name, found.joints or "", found.coordinates, found.status]
         if judged:
-            cells += [f"{judged.ratio:.4g}", f"{judged.rms * 1e3:.3f}"]
+            needed = judged.optimum > OF_TORQUE * judged.without
+            cells += [f"{judged.ratio:.3f}" if needed else "none needed", f"{judged.rms * 1e3:.3f}"]
             cells += [f"{judged.rms / judged.size:.2%}", found.cycle or "never"]
         else:
             cells += [""] * 4
@@ -237,7 +238,7 @@ def shapes(many: int) -> list[tuple[str, dict[str, Any]]]:
 
 def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
     """Run them, print what was not at the optimum, and count."""
-    counts, kinds, wrong, said = Counter(), Counter(), Counter(), 0
+    counts, kinds, wrong, caution, said = Counter(), Counter(), Counter(), Counter(), 0
     for (path, changes), found in zip(jobs, all_of(jobs), strict=True):
         kind = (
             "at the optimum and tracking"
@@ -254,6 +255,7 @@ def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
         said += len(found.warned)
         kinds.update(_kind(note) for note in found.warned)
         wrong.update(_kind(note) for note in found.wrong)
+        caution.update(_kind(note) for note in found.warned if found.at_optimum)
         if not found.at_optimum or found.warned:
             judged = found.judged
             figures = f"ratio {judged.ratio:.4g} RMS {judged.rms * 1e3:.3g} mm" if judged else ""
@@ -263,8 +265,9 @@ def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
     print(f"\n{len(jobs)} runs")
     for kind, number in counts.most_common():
         print(f"{number:4} ({number / len(jobs):.1%}) {kind}")
-    print(f"messages before a run that did not refuse it: {said}, wrong {wrong.total()}")
-    print(f"  by kind {dict(kinds)}, wrong {dict(wrong)}")
+    print(f"{said} messages before a run that was not refused {dict(kinds)}:")
+    print(f"{wrong.total()} that the last cycle belied {dict(wrong)}")
+    print(f"{caution.total()} before a run that came to the optimum all the same {dict(caution)}")
 
 
 def _kind(note: str) -> str:
