@@ -67,27 +67,31 @@ def measure(case: Case) -> tuple[rmj.Run, Judgement]:
     return run, judge(run)
 
 
+HEADS = (
+    "| arm | home | task | motion | status | less torque² than without springs | torque² / bounded "
+)
+HEADS += (
+    "optimum of the motion made | position RMS [mm] | rotation RMS [mrad] | first cycle at the "
+)
+HEADS += "optimum |"
+
+
+def row(case: Case, run: rmj.Run, found: Judgement) -> str:
+    """A row of the table."""
+    (motion,) = run.motions
+    turned = f"{motion.rotation_rms[-1] * 1e3:.2f}" if case.task == "pose" else ""
+    return (
+        f"| {case.arm} | {case.home} | {case.task} | {case.motion} | {run.status} | "
+        f"{1 - found.torque_squared / found.without:.2%} | {found.ratio:.4f} | "
+        f"{found.rms * 1e3:.3f} | {turned} | {motion.cycles_to_optimum or 'never'} |"
+    )
+
+
 def main() -> None:
     """Print the table."""
-    heads = ("arm", "home", "task", "motion", "status", "less torque² than without springs")
-    heads += (
-        "torque² / bounded optimum of the motion made",
-        "position RMS [mm]",
-        "rotation RMS [mrad]",
-    )
-    heads += ("first cycle at the optimum",)
-    print("| " + " | ".join(heads) + " |")
-    print("|" + "---|" * len(heads))
+    print(HEADS + "\n" + "|---" * (HEADS.count("|") - 1) + "|")
     for case in CASES:
-        run, found = measure(case)
-        (motion,) = run.motions
-        turned = f"{motion.rotation_rms[-1] * 1e3:.2f}" if case.task == "pose" else ""
-        print(
-            f"| {case.arm} | {case.home} | {case.task} | {case.motion} | {run.status} | "
-            f"{1 - found.torque_squared / found.without:.2%} | {found.ratio:.4f} | "
-            f"{found.rms * 1e3:.3f} | {turned} | {motion.cycles_to_optimum or 'never'} |",
-            flush=True,
-        )
+        print(row(case, *measure(case)), flush=True)
 
 
 if __name__ == "__main__":

@@ -152,6 +152,8 @@ def belied(note: str, run: rmj.Run, judged: Judgement | None) -> bool:
     kind = next(kind for sign, kind in SIGNS.items() if sign in note)
     if judged is None or not judged.good or run.status is not rmj.Status.OK:
         return False
+    if "and this run ends" in note:
+        return False
     return not {
         "singular": judged.singular,
         "range": judged.at_range,
@@ -167,26 +169,35 @@ def all_of(jobs: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterable[Outcome]:
             yield future.result()
 
 
+HEADS = (
+    "| arm | joints | task | status | torque² / optimum | RMS [mm] | of the path | at the optimum "
+)
+HEADS += "from cycle | what is said |"
+
+
+def row(arm: Arm, found: Outcome) -> str:
+    """A row of the table."""
+    judged, said = found.judged, "" if found.at_optimum else found.said
+    cells = [arm.name, found.joints or "", found.coordinates, found.status]
+    if judged:
+        needed = judged.optimum > OF_TORQUE * judged.without
+        cells += [f"{judged.ratio:.3f}" if needed else "none needed", f"{judged.rms * 1e3:.3f}"]
+        cells += [f"{judged.rms / judged.size:.2%}", found.cycle or "never"]
+    else:
+        cells += [""] * 4
+    said = said.replace(str(arm.path), arm.path.name).replace(f"{arm.path.parent}/", "")
+    cells.append(said if found.meets(arm.expected) else f"**not as expected** {said}")
+    return "| " + " | ".join(str(cell).replace("|", "/") for cell in cells) + " |"
+
+
 def arms() -> None:
     """Print the table of docs/robots.md."""
-    heads = ("arm", "joints", "task", "status", "torque² / optimum", "RMS [mm]", "of the path")
-    heads += ("first cycle at the optimum", "what is said")
-    print("| " + " | ".join(heads) + " |\n" + "|---" * len(heads) + "|")
+    print(HEADS + "\n" + "|---" * (HEADS.count("|") - 1) + "|")
     right, wrong_ok = 0, []
     for arm, found in zip(ARMS, all_of((str(a.path), a.changes) for a in ARMS), strict=True):
+        print(row(arm, found), flush=True)
         right += found.meets(arm.expected)
         wrong_ok += [arm.name] * found.wrong_ok
-        judged, said = found.judged, "" if found.at_optimum else found.said
-        cells = [arm.name, found.joints or "", found.coordinates, found.status]
-        if judged:
-            needed = judged.optimum > OF_TORQUE * judged.without
-            cells += [f"{judged.ratio:.3f}" if needed else "none needed", f"{judged.rms * 1e3:.3f}"]
-            cells += [f"{judged.rms / judged.size:.2%}", found.cycle or "never"]
-        else:
-            cells += [""] * 4
-        said = said.replace(str(arm.path), arm.path.name).replace(str(arm.path.parent), "")
-        cells.append(("" if found.meets(arm.expected) else "**not as expected** ") + said)
-        print("| " + " | ".join(str(c).replace("|", "/") for c in cells) + " |", flush=True)
     print(f"\n{right} of {len(ARMS)} as expected, {len(wrong_ok)} wrong OKs {wrong_ok or ''}")
 
 

@@ -2,7 +2,7 @@
 
 import commercial_arms
 import pytest
-from public_arms import ARMS, measure
+from public_arms import ARMS, HEADS, measure, row
 
 import resonance_mj as rmj
 
@@ -10,8 +10,9 @@ pytestmark = pytest.mark.robots
 
 
 @pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
-def test_an_arm_of_a_public_wheel_comes_to_what_is_expected_of_it(arm):
+def test_an_arm_of_a_public_wheel_comes_to_what_is_expected_of_it(arm, record_property):
     found = measure(str(arm.path), arm.changes)
+    record_property(HEADS, row(arm, found))
     assert not found.wrong_ok, f"says ok, and the judge finds {found.judged}"
     assert found.meets(arm.expected), f"{found.status}: {found.said}"
 
@@ -19,7 +20,10 @@ def test_an_arm_of_a_public_wheel_comes_to_what_is_expected_of_it(arm):
 @pytest.mark.parametrize(
     "case", commercial_arms.CASES, ids=lambda case: "-".join(vars(case).values())
 )
-def test_a_commercial_arm_reaches_the_bounded_optimum_and_tracks_within_20_cycles(case):
+def test_a_commercial_arm_reaches_the_bounded_optimum_and_tracks_within_20_cycles(
+    case, record_property
+):
     run, found = commercial_arms.measure(case)
+    record_property(commercial_arms.HEADS, commercial_arms.row(case, run, found))
     assert run.status is rmj.Status.OK, run.message
     assert found.good, found
