@@ -215,6 +215,12 @@ def test_the_process_keeps_the_modules_that_it_had(tmp_path, monkeypatch):
     applied_gain(tmp_path)
     assert sys.modules["gain"] is gain
     assert sys.path == path
+    # Nor does a law take the process's module of a name that its own folder has.
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.py").write_text((tmp_path / "mine.py").read_text())
+    (tmp_path / "other" / "gain.py").write_text("GAIN = -3.0")
+    assert applied_gain(tmp_path / "other") == -3.0
+    assert sys.modules.pop("gain") is gain
 
 
 def test_a_missing_law_is_named(tmp_path):

@@ -99,11 +99,17 @@ def _executed(path: Path, source: str) -> ModuleType:
 def _fresh_modules(folder: Path) -> Iterator[None]:
     """Let what stands in a folder be imported, and anew; the process keeps what it had of it."""
 
+    here = {each.stem for each in folder.iterdir()} - sys.stdlib_module_names
+
     def inside() -> dict[str, ModuleType]:
-        modules = [each for each in sys.modules.items() if each[0] != "__main__"]
-        files = [(*each, getattr(each[1], "__file__", None)) for each in modules]
+        modules = sys.modules.copy()
+        files = {name: getattr(module, "__file__", None) for name, module in modules.items()}
+        del files["__main__"]
         return {
-            name: module for name, module, file in files if file and Path(file).parent == folder
+            name: modules[name]
+            for name, file in files.items()
+            # One of that name which was imported from elsewhere is not meant.
+            if name.partition(".")[0] in here or (file and Path(file).parent == folder)
         }
 
     before, path = inside(), list(sys.path)
