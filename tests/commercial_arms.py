@@ -61,6 +61,15 @@ CASES = [
 ]
 
 
+SAID = {
+    Case("iiwa", "usual", "pose", "8 cm"): "takes joint_4 .* beyond its range",
+    Case("xarm7", "found", "pose", "default"): "a larger law.omega",
+    Case("xarm7", "found", "pose", "8 cm"): "a larger law.omega",
+}
+"""What is said of the cases that do not come to the optimum: one leaves the range of a joint, and
+the light wrist of another turns against its dry friction."""
+
+
 def measure(case: Case) -> tuple[rmj.Run, Judgement]:
     """Run a case, and judge its last cycle against the bounded optimum of the motion made."""
     run = rmj.simulate(case.experiment())

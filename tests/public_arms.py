@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 import wheels
-from judge import OF_TORQUE, Judgement, judge
+from judge import CLAIMED, OF_TORQUE, Judgement, judge
 
 import resonance_mj as rmj
 from resonance_mj.experiments.loading import for_robot
@@ -94,9 +94,10 @@ class Outcome:
     @property
     def wrong_ok(self) -> bool:
         """Whether the program says that all is well and the judge does not."""
-        if self.status != "ok" or self.at_optimum:
+        if self.status != "ok":
             return False
-        return not self.judged.tracks or self.said == "at optimum"
+        claimed = self.said == "at optimum"
+        return not self.judged.follows or (claimed and not self.judged.within(CLAIMED))
 
     def meets(self, expected: str) -> bool:
         """Whether this is what was expected."""
@@ -256,9 +257,11 @@ def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
             if found.at_optimum
             else "ok but wrong"
             if found.wrong_ok
+            else "ok, but not within 2 % and 1.5 mm"
+            if found.status == "ok" and not found.warned
             else "refused before the run"
             if found.status == "refused"
-            else "warned before the run, and not ok"
+            else "warned before the run, and not at the optimum"
             if found.warned
             else "failed without a word before"
         )
