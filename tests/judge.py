@@ -63,10 +63,12 @@ class Judgement:
 
     @property
     def tracks(self) -> bool:
-        return self.rms <= min(CLAIMED = 0.05
-"""The same of the optimum, where the program says "at the optimum"."""
+        return self.rms <= MOST_RMS and self.follows
 
-MOST_RMS, OF_PATH * self.size)
+    @property
+    def follows(self) -> bool:
+        """Whether the tool tracks as far as the program's status says it."""
+        return self.rms <= OF_PATH * self.size
 
     @property
     def optimal(self) -> bool:
