@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import wheels
-from judge import Judgement, judge
+from public_arms import Outcome, outcome
 
 import resonance_mj as rmj
 from resonance_mj.experiments.experiment import Experiment
@@ -70,10 +70,10 @@ SAID = {
 the light wrist of another turns against its dry friction."""
 
 
-def measure(case: Case) -> tuple[rmj.Run, Judgement]:
-    """Run a case, and judge its last cycle against the bounded optimum of the motion made."""
+def measure(case: Case) -> tuple[rmj.Run, Outcome]:
+    """Run a case, and judge it."""
     run = rmj.simulate(case.experiment())
-    return run, judge(run)
+    return run, outcome(run)
 
 
 HEADS = (
@@ -85,14 +85,14 @@ HEADS += (
 HEADS += "optimum |"
 
 
-def row(case: Case, run: rmj.Run, found: Judgement) -> str:
+def row(case: Case, run: rmj.Run, found: Outcome) -> str:
     """A row of the table."""
-    (motion,) = run.motions
+    (motion,), judged = run.motions, found.judged
     turned = f"{motion.rotation_rms[-1] * 1e3:.2f}" if case.task == "pose" else ""
     return (
         f"| {case.arm} | {case.home} | {case.task} | {case.motion} | {run.status} | "
-        f"{1 - found.torque_squared / found.without:.2%} | {found.ratio:.4f} | "
-        f"{found.rms * 1e3:.3f} | {turned} | {motion.cycles_to_optimum or 'never'} |"
+        f"{1 - judged.torque_squared / judged.without:.2%} | {judged.ratio:.4f} | "
+        f"{judged.rms * 1e3:.3f} | {turned} | {motion.cycles_to_optimum or 'never'} |"
     )
 
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import re
 import sys
-import time
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +83,6 @@ class Outcome:
     coordinates: str = ""
     cycle: int | None = None
     judged: Judgement | None = None
-    seconds: float = field(default=0.0, compare=False)
 
     @property
     def at_optimum(self) -> bool:
@@ -116,11 +114,15 @@ ARMS = [
 
 def measure(path: str, changes: Mapping[str, Any]) -> Outcome:
     """Run a robot's file with some keys given, and judge the run."""
-    began = time.perf_counter()
     try:
         run = rmj.simulate(for_robot(path).replace(changes))
     except rmj.ResonanceError as error:
-        return Outcome("refused", str(error), seconds=time.perf_counter() - began)
+        return Outcome("refused", str(error))
+    return outcome(run)
+
+
+def outcome(run: rmj.Run) -> Outcome:
+    """Judge a run."""
     robot, motion = run.plan.robot, run.motions[0]
     warned = tuple(note for note in run.plan.notes if any(sign in note for sign in SIGNS))
     judged = judge(run) if len(motion.cycles) else None
@@ -133,7 +135,6 @@ def measure(path: str, changes: Mapping[str, Any]) -> Outcome:
         coordinates=" ".join(robot.axes),
         cycle=motion.cycles_to_optimum,
         judged=judged,
-        seconds=time.perf_counter() - began,
     )
 
 
