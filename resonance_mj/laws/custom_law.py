@@ -98,7 +98,6 @@ def _executed(path: Path, source: str) -> ModuleType:
 @contextmanager
 def _fresh_modules(folder: Path) -> Iterator[None]:
     """Let what stands in a folder be imported, and anew; the process keeps what it had of it."""
-
     here = {each.stem for each in folder.iterdir()} - sys.stdlib_module_names
 
     def inside() -> dict[str, ModuleType]:

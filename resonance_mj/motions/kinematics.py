@@ -17,10 +17,13 @@ from .motion import Samples
 TOLERANCE = 1e-11
 """Position error at which the inverse kinematics has converged [m]."""
 
+DRIFTING = 5
+"""Most cycles that joints which the task leaves free drift before their motion is periodic."""
+
 SINGULAR = 1e-3
 """Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
 
-_NO_STOPS = int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT)
+_STOPS = int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT)
 
 
 class JointMotion(NamedTuple):
@@ -121,7 +124,7 @@ class Kinematics:
         """Joint motion of a task-space motion, on the branch of `start`.
 
         Where the task leaves joints free, they drift towards the home pose as the law has them,
-        and the second of two cycles is returned.
+        until a cycle ends where it began.
 
         Args:
             samples: the motion.
@@ -134,15 +137,18 @@ class Kinematics:
             MotionError: the motion leaves the arm's reach or passes through a singular pose.
         """
         m, n = self.robot.m, self.robot.n
-        if m < n:
-            start = self._cycle(samples, start, period, name, alpha_0)[0][-1]
-        q, J = self._cycle(samples, start, period, name, alpha_0)
-        jump = np.abs(self.solve(samples.x[0], q[-1]) - q[0]).max()
-        if jump > (1e-6 if m == n else 0.1):
+        for _ in range(1 if m == n else DRIFTING):
+            q, J, start = self._cycle(samples, start, period, name, alpha_0)
+            away = np.abs(start - q[0]).max()
+            if away < 1e-4:
+                break
+        if away > (1e-6 if m == n else 0.1):
             raise MotionError(
                 f"{name}: the joints do not return to where they began: after one cycle they are "
-                f"{jump:.3f} rad away; the motion winds around the base or leaves its branch"
+                f"{away:.3f} rad away; the motion winds around the base or leaves its branch"
             )
+        if m < n:  # what is left of the drift, spread over the cycle
+            q -= np.linspace(0.0, 1.0, len(q), endpoint=False)[:, None] * (start - q[0])
         return self._with_rates(samples, q, J, lambda signal: _periodic_rate(signal, period))
 
     def passage(
@@ -152,11 +158,9 @@ class Kinematics:
 
         Arguments and errors as of `follow`; `length` is how long the motion takes [s].
         """
-        q, J = self._cycle(samples, start, length, name, alpha_0)
-        dt = length / len(q)
-        return self._with_rates(
-            samples, q, J, lambda signal: np.gradient(signal, dt, axis=0, edge_order=2)
-        )
+        q, J, _ = self._cycle(samples, start, length, name, alpha_0)
+        step = length / len(q)
+        return self._with_rates(samples, q, J, lambda s: np.gradient(s, step, axis=0, edge_order=2))
 
     def _with_rates(
         self, samples: Samples, q: np.ndarray, J: np.ndarray, rate: Callable[..., np.ndarray]
@@ -172,8 +176,8 @@ class Kinematics:
 
     def _cycle(
         self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Joint angles (N, n) and Jacobians (N, m, n) along one cycle."""
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joint angles (N, n) and Jacobians (N, m, n) along one cycle, and the angles after it."""
         steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
         q, J = np.empty((steps, n)), np.empty((steps, m, n))
 
@@ -209,7 +213,7 @@ class Kinematics:
                 f"{least:.1e} m/rad, at least {SINGULAR * largest:.1e} is needed; "
                 "move the motion away from there or choose another home pose"
             )
-        return q, J
+        return q, J, self._solved(samples.x[0], guess)[0]
 
     def _unfolded(self, x: np.ndarray, start: np.ndarray) -> np.ndarray:
         """Joint angles that reach `x`, from `start` or from beside it where it is singular.
@@ -224,15 +228,11 @@ class Kinematics:
         return self.solve(x, start)
 
     def torque(self, motion: JointMotion) -> np.ndarray:
-        """Torque τ_d(0, 0, t) (N, n) [N m] that a motion needs without springs, by (2).
-
-        Without the forces of contacts and of the ends of the joints' ranges: these are none that
-        a motor or a spring has to bear, but what a motion must keep away from.
-        """
+        """Torque τ_d(0, 0, t) (N, n) [N m] without springs, contacts and joint stops, by (2)."""
         robot, model, data = self.robot, self._model, self._data
         springs, flags = model.jnt_stiffness[robot.joint_id], model.opt.disableflags
         model.jnt_stiffness[robot.joint_id] = 0.0
-        model.opt.disableflags |= _NO_STOPS
+        model.opt.disableflags |= _STOPS
         try:
             torque = np.empty_like(motion.q)
             for i in range(len(torque)):
@@ -261,7 +261,7 @@ class Kinematics:
         self._place(q)
         data.qvel[self.robot.dof_address] = dq
         mujoco.mj_comVel(model, data)
-        body = int(model.site_bodyid[self.robot.site])
+        body = model.site_bodyid[self.robot.site]
         mujoco.mj_jacDot(model, data, self._linear, self._angular, self._at, body)
         return self._full[self._of_task]
 

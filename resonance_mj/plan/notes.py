@@ -18,6 +18,9 @@ from ..text import length, percent
 NEAR_SINGULAR = 0.05
 """Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
 
+SUDDEN = 5.0
+"""Ratio of a joint's peak to RMS acceleration from which a nearly singular pose is a hindrance."""
+
 POSES = 40
 """Poses along a cycle at which gains and singular values are looked at."""
 
@@ -42,10 +45,14 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
         J = [kinematics.jacobian(q) for q in _poses(joints)]
         values = np.linalg.svd(J, compute_uv=False)
         nearest = float((values[:, -1] / values[:, 0]).min())
-        if nearest < NEAR_SINGULAR:
+        peak, usual = np.abs(joints.ddq).max(axis=0), np.sqrt((joints.ddq**2).mean(axis=0))
+        j = int(np.argmax(peak - SUDDEN * usual))
+        if nearest < NEAR_SINGULAR and peak[j] > SUDDEN * usual[j]:
             said.append(
                 f"{name} comes near a singular pose: the smallest singular value of J falls to "
-                f"{nearest:.1e} of its largest"
+                f"{nearest:.1e} of its largest, and the acceleration of "
+                f"{kinematics.robot.joints[j]} peaks at {peak[j] / usual[j]:.2g} times its RMS: "
+                "give another center, size or home"
             )
         said += _beyond_ranges(name, kinematics.robot, joints)
         said += _touching(name, kinematics.robot, joints)

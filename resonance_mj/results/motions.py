@@ -21,6 +21,7 @@ class MotionOfRun:
         start: when it begins [s].
         end: when it would end if all its cycles were simulated [s].
         period: cycle time [s].
+        optimum_made: whether the optimum is of the joint motion made.
         size: largest extent of the desired path along an axis [m].
         cycles: numbers in the run of its whole cycles (C,).
         passage: whether each is part of the passage into the motion, which teaches nothing (C,).
@@ -46,6 +47,7 @@ class MotionOfRun:
     start: float
     end: float
     period: float
+    optimum_made: int
     size: float
     cycles: np.ndarray
     passage: np.ndarray
@@ -69,11 +71,10 @@ class MotionOfRun:
     def optimum_of(self) -> str:
         """Which joint motion the optimum is of: `desired`, or `made` where the task leaves it free.
 
-        The one made is that of the motion's last whole cycle, if the tool followed its path in it.
+        The one made is that of the motion's last whole cycle, if the tool followed its path in it
+        and nothing but motors, springs and gravity bore on the arm.
         """
-        sizes = self.samples.sizes
-        free = sizes["axis"] < sizes["joint"]
-        return "made" if free and self.tracks[-1:].any() else "desired"
+        return "made" if self.optimum_made else "desired"
 
     @property
     def tracks(self) -> np.ndarray:
@@ -143,6 +144,7 @@ _PER_MOTION = (
     "start",
     "end",
     "period",
+    "optimum_made",
     "size",
     "torque_squared_optimal",
     "torque_squared_without_springs",

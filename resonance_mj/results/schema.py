@@ -66,6 +66,7 @@ VARIABLES = {
     "equilibrium_optimal": Variable(MOTION_JOINT, "rad", "q_e of the optimal springs"),
     "torque_squared_optimal": Variable(MOTION, "N^2 m^2", "torque_squared of the optimum"),
     "torque_squared_without_springs": Variable(MOTION, "N^2 m^2", "the same without springs"),
+    "optimum_made": Variable(MOTION, "1", "1 if the optimum is of the joint motion made", "i"),
     "size": Variable(MOTION, "m", "largest extent of the desired path"),
     "start": Variable(MOTION, "s", "start of the motion"),
     "end": Variable(MOTION, "s", "end of the motion"),

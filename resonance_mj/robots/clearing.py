@@ -50,6 +50,8 @@ def let_overlaps_pass(
 ) -> None:
     """Let neighbours that overlap at home pass through each other, and say what else touches.
 
+    The base and the first link never collide, as MuJoCo has it of all other parents and children.
+
     Args:
         spec: of the robot, changed.
         model: of the file.
@@ -62,9 +64,9 @@ def let_overlaps_pass(
         away, deepest, _ = found.get(bodies, (0, 0.0, ""))
         names = f"{called(model, first)} and {called(model, second)}"
         found[bodies] = (max(away, distance(model, first, second)), max(deepest, depth), names)
-    for bodies, (away, _, _) in found.items():
-        if away < FAR:
-            spec.add_exclude(bodyname1=bodies[0], bodyname2=bodies[1])
+    near = {bodies for bodies, (away, _, _) in found.items() if away < FAR}
+    for pair in near | _base_and_first_links(model):
+        spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
     passing = [names for away, _, names in found.values() if away < FAR]
     others = [
         f"{names} ({1e3 * depth:.3g} mm deep)"
@@ -78,6 +80,18 @@ def let_overlaps_pass(
             f"in contact at home: {listed(others)}; give a robot.home without, or robot.contacts = "
             "false lets all bodies pass"
         )
+
+
+def _base_and_first_links(model: mujoco.MjModel) -> set[tuple[str, ...]]:
+    """Each body of a base that does not move, with each link that moves on it."""
+    weld, root, parent = model.body_weldid, model.body_rootid, model.body_parentid
+    links = [b for b in range(1, model.nbody) if weld[b] == b and weld[parent[b]] == 0]
+    return {
+        (model.body(base).name, model.body(link).name)
+        for link in links
+        for base in range(1, link)
+        if weld[base] == 0 and root[base] == root[link]
+    }
 
 
 def passive_gravity(spec: mujoco.MjSpec, notes: list[str]) -> None:

@@ -39,6 +39,8 @@ class Hindrance(NamedTuple):
     what: str
     cure: str
     contact: bool = False
+    bears: bool = True
+    """Whether it exerts a force of its own."""
 
 
 class Ending(NamedTuple):
@@ -157,6 +159,7 @@ def _motors(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
             f"{robot.joints[j]}'s motor is at its limit, {low[j]:.3g} to {high[j]:.3g} "
             f"{'N' if robot.slides[j] else 'N m'}, for {_share(at_limit[j])} of it",
             f"a longer motion.{index}.period or a smaller motion.{index}.size",
+            bears=False,
         )
         for j in np.flatnonzero(at_limit)
     ]

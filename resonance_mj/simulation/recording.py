@@ -16,7 +16,7 @@ from ..results import metrics, schema
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
-from .ending import LastCycle
+from .ending import LastCycle, hindrances
 
 POSES = 8
 """Poses of a cycle at which its distance from singular poses is measured."""
@@ -117,24 +117,31 @@ class Recording:
         for name, value in zip(LinearSprings._fields, springs, strict=True):
             found[f"{name}_per_cycle"].append(value.copy())
 
-    def optima(self, size: np.ndarray) -> list[Optimum]:
-        """The optimum of each motion.
+    def optima(self, size: np.ndarray) -> tuple[list[Optimum], np.ndarray]:
+        """The optimum of each motion, and whether it is of the joint motion made.
 
         Where the task leaves joints free, it does not determine the joint motion: then that of the
-        joint motion that was made in the motion's last whole cycle, if the tool followed its path.
+        joint motion that was made in the motion's last whole cycle, if the tool followed its path
+        and neither contacts nor the ends of ranges bore on the arm.
 
         Args:
             size: of the path of each motion [m].
         """
-        experiment, found = self._plan.experiment, list(self._plan.optima)
+        plan, experiment = self._plan, self._plan.experiment
+        found, made = list(plan.optima), np.zeros(len(plan.optima), int)
         if self._robot.m < self._robot.n:
-            for segment, (q, _, total, center) in self.last.items():
-                if self._follows(segment, size[segment]):
-                    period = experiment.motion[segment].period
+            for segment, cycle in self.last.items():
+                free = not any(one.bears for one in hindrances(plan, segment, cycle))
+                if free and self._follows(segment, size[segment]):
+                    made[segment] = 1
                     found[segment] = best_springs(
-                        q, total, center=center, period=period, bounds=experiment.springs
+                        cycle.q,
+                        cycle.total,
+                        center=cycle.center,
+                        period=experiment.motion[segment].period,
+                        bounds=experiment.springs,
                     )
-        return found
+        return found, made
 
     def _follows(self, segment: int, size: float) -> bool:
         """Whether the tool followed its path in the last whole cycle of a motion."""
@@ -147,7 +154,7 @@ class Recording:
     def dataset(self) -> xr.Dataset:
         """The run so far, as labelled arrays with units."""
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
-        optima = self.optima(size)
+        optima, made = self.optima(size)
         cycles = len(self._cycles["torque_squared"])
         width = {"joint": robot.n, "axis": robot.m}
 
@@ -195,6 +202,7 @@ class Recording:
                 "tau_optimal": joined("tau_optimal", best_torque),
                 "torque_reduction": reduced,
                 "torque_share": metrics.share(reduced, optimal[segment]),
+                "optimum_made": made,
                 "size": size,
                 "start": np.concatenate([[0.0], ends[:-1]]),
                 "end": ends,
