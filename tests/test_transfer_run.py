@@ -129,3 +129,23 @@ def test_motors_that_cannot_hold_the_arm_without_springs_reach_the_optimum_with_
     assert np.abs(run.data["tau"].values).max() <= motors
     assert run.status is rmj.Status.OK
     assert run.motions[0].cycles_to_optimum <= 20
+
+
+def test_an_arm_in_millimetres_behaves_as_it_does_in_metres(tmp_path):
+    arm = """<mujoco><compiler angle="radian"/><option gravity="0 0 {g}"/><worldbody>
+      <body><joint name="j1" axis="0 -1 0" damping="{d1}"/>
+        <geom type="capsule" size="{r}" fromto="0 0 0 {l1} 0 0" mass="{m1}" contype="0"/>
+        <body pos="{l1} 0 0"><joint name="j2" axis="0 -1 0" damping="{d2}"/>
+          <geom type="capsule" size="{r}" fromto="0 0 0 {l2} 0 0" mass="{m2}" contype="0"/>
+          <site name="tool" pos="{l2} 0 0"/></body></body></worldbody>
+      <keyframe><key name="home" qpos=".6 -1.2"/></keyframe></mujoco>"""
+    found = []
+    for name, metre, kilogram in (("m", 1.0, 1.0), ("mm", 1e3, 10.0)):
+        lengths = {"l1": 0.3 * metre, "l2": 0.25 * metre, "r": 0.02 * metre, "g": -9.8 * metre}
+        damping = {"d1": 0.2 * kilogram * metre**2, "d2": 0.1 * kilogram * metre**2}
+        masses = {"m1": 3 * kilogram, "m2": 2 * kilogram}
+        (tmp_path / f"{name}.xml").write_text(arm.format(**lengths, **damping, **masses))
+        motion = rmj.simulate(for_robot(str(tmp_path / f"{name}.xml"))).motions[0]
+        found.append((motion.torque_reduction, motion.tracking_rms / motion.size))
+    np.testing.assert_allclose(found[1][0], found[0][0], atol=0.01)
+    np.testing.assert_allclose(found[1][1], found[0][1], rtol=0.2, atol=1e-5)

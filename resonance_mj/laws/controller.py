@@ -118,7 +118,12 @@ def measure(
 def standard(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
     """Error signal y (8) and motor torque τ (4)."""
     own = views(memory)
+    positions = own.m - 3 if own.rotates else own.m
+    for i in range(positions):
+        own.error[i] /= own.length
     equations.saturation(own.error, own.s)
+    for i in range(positions):
+        own.s[i] *= own.length
     if own.form == 0:
         equations.error_inverse(own.J, own.rate, own.alpha, own.s, own.work, own.y)
     elif own.form == 1:

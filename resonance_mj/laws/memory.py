@@ -68,6 +68,7 @@ _SCALARS = (
     "difference",  # 1 for the tool's velocity by the difference of its positions
     "inertial",  # 1 for feedback by `feedback` too
     "usual",  # manipulability below which the damping grows
+    "length",  # in which s measures position errors [m]
     "alpha",
     "alpha_0",
     "timestep",
@@ -206,8 +207,8 @@ _named: Any = namedtuple  # whose names a type checker cannot follow
 
 Own = _named(
     "Own",
-    "n m step site rotates form difference inertial usual alpha alpha_0 timestep speed_limit "
-    + " ".join(name for name in ARRAYS if name != "record"),
+    "n m step site rotates form difference inertial usual length "
+    "alpha alpha_0 timestep speed_limit " + " ".join(name for name in ARRAYS if name != "record"),
 )
 """The numbers of the header that the law is tuned by, and a view of each array."""
 
@@ -233,6 +234,7 @@ def own(memory: np.ndarray) -> Any:
         difference=memory[Header.DIFFERENCE] == 1.0,
         inertial=memory[Header.INERTIAL] == 1.0,
         usual=memory[Header.USUAL],
+        length=memory[Header.LENGTH],
         alpha=memory[Header.ALPHA],
         alpha_0=memory[Header.ALPHA_0],
         timestep=memory[Header.TIMESTEP],

@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import ExperimentError
 from ..experiments.sections import Springs
 from ..laws.memory import Memory
+from ..motions import default_motion
 from ..plan.plan import Plan
 from ..springs.fit import LinearSprings, reach
 from ..text import shown
@@ -41,6 +42,8 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("difference", chosen.velocity == "difference"),
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
+        # The sine of (5) is of metres, and turns back at π/2 of them: on larger arms, of reaches.
+        ("length", 1.0 if law.printed else max(1.0, default_motion.reach(robot))),
         ("alpha", chosen.alpha),
         ("alpha_0", chosen.alpha_0),
         ("timestep", dt),
