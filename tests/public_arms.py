@@ -187,7 +187,8 @@ def row(arm: Arm, found: Outcome) -> str:
         cells += [f"{judged.rms / judged.size:.2%}", found.cycle or "never"]
     else:
         cells += [""] * 4
-    said = said.replace(str(arm.path), arm.path.name).replace(f"{arm.path.parent}/", "")
+    for folder in (arm.path.parent, wheels.folder(arm.wheel)):
+        said = said.replace(f"{folder}/", "")
     cells.append(said if found.meets(arm.expected) else f"**not as expected** {said}")
     return "| " + " | ".join(str(cell).replace("|", "/") for cell in cells) + " |"
 
