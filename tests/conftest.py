@@ -45,7 +45,8 @@ def pytest_terminal_summary(terminalreporter):
     for outcome in ("passed", "failed"):
         for report in terminalreporter.stats.get(outcome, []):
             for heads, row in report.user_properties:
-                tables.setdefault(heads, []).append(row)
+                if heads.startswith("| "):
+                    tables.setdefault(heads, []).append(row)
     for heads, rows in tables.items():
         terminalreporter.write_line("\n".join((heads, "|---" * (heads.count("|") - 1) + "|")))
         terminalreporter.write_line("\n".join(sorted(rows)))
