@@ -18,6 +18,7 @@ from PIL import Image
 import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import OutputError
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.pictures import palette
 from resonance_mj.pictures.figures import catalogue
 from resonance_mj.pictures.film import video
@@ -459,3 +460,17 @@ def test_all_that_a_page_is_made_of_travels_with_the_package():
     templates = Path(film.__file__).parent / "templates"
     names = {path.name for path in templates.iterdir()}
     assert {"page.html", "run.html", "comparison.html", "style.css", "script.js"} <= names
+
+
+def test_a_tool_off_its_path_saves_nothing_on_the_page_or_in_the_figure(tmp_path):
+    limp = {"law.omega": 0.0, "motion.0.duration": 4.0}
+    run = rmj.simulate(for_robot("two_link.xml").replace(limp))
+    run.save(tmp_path / "limp")
+    rmj.report(tmp_path / "limp", tmp_path / "limp.html", video=False)
+    page = (tmp_path / "limp.html").read_text()
+    assert "off its path" in page
+    assert "less motor torque² than without springs" not in page
+    (drawn,) = rmj.plot(run, tmp_path, figures=["overview"], formats=["svg"])
+    words = drawn.read_text()
+    assert "off its path" in words or "off path" in words
+    assert "less than without springs" not in words

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from ...experiments.experiment import Experiment
 from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run, Status
+from ...text import length
 from ..palette import DESIRED, MUTED
 from .measuring import fitting
 from .style import LABEL_BOX, LINES, SMALL, remark
@@ -96,7 +97,10 @@ def _reductions(ax: Axes, run: Run) -> None:
             continue
         share, best = float(motion.torque_reduction[-1]), motion.torque_reduction_optimal
         of = f"optimum {best:.1%} less" if best > LEAST_REDUCTION else "no spring helps"
-        if np.isnan(share):
+        if not motion.tracks[-1]:
+            off = f"RMS {length(motion.tracking_rms[-1])}"
+            wordings = [f"the tool is off its path ({off})", f"off its path ({off})", "off path"]
+        elif np.isnan(share):
             wordings = ["needs no torque without springs", "needs no torque"]
         elif share < 0:
             wordings = [f"{1 - share:.3g} times that without springs ({of})", f"{1 - share:.3g} ×"]

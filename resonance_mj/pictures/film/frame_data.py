@@ -41,7 +41,7 @@ class FrameData:
         offset: q̄_e (N, n) [N m].
         center: q_c (N, n) [rad].
         tau: torque of the motors (N, n) [N m].
-        reduction: torque² less than without springs in the last whole cycle, as a share; NaN
+        reduction: torque² less than without springs in the last whole cycle that tracks; NaN
             before the motion has one (N,).
         best: the same with optimal springs (N,).
     """
@@ -189,7 +189,9 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
     time, cycle = part["time"].values, part["cycle_of_sample"].values
     position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
     segment = part["segment_of_sample"].values - 1
-    reduction = np.concatenate([[np.nan], data["torque_reduction"].values])
+    tracks = np.concatenate([motion.tracks for motion in run.motions])
+    found = np.where(tracks, data["torque_reduction"].values, np.nan)
+    reduction = np.concatenate([[np.nan], found])
     # A cycle of the motion before says nothing beside this one's optimum.
     of = np.concatenate([[0], data["segment_of_cycle"].values])
     last = np.clip(cycle - 1, 0, len(reduction) - 1)

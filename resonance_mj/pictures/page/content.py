@@ -22,6 +22,13 @@ from ...status import Status
 from ...text import NOTHING, duration, flat, joined, length, minus, percent, shown
 from .drawings import Figures
 
+ENDED = {
+    Status.DIVERGED: "The run diverged",
+    Status.NOT_TRACKING: "The run was not tracking",
+    Status.IN_CONTACT: "The arm was in contact",
+}
+"""How a run that is not ok ended, in a sentence."""
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -33,12 +40,14 @@ class Motion:
         of: cycles of the experiment.
         last: as in summary.json, and equilibrium and equilibrium_optimal (n,) [rad] besides: where
             the springs are at rest; NaN for a joint that has none.
+        tracks: whether the tool follows its path in the last whole cycle.
     """
 
     number: int
     about: str
     of: int
     last: dict[str, Any]
+    tracks: bool
 
     @property
     def against(self) -> tuple[str, str]:
@@ -99,7 +108,8 @@ class Content:
             last["equilibrium_optimal"] = motion.equilibrium_optimal.tolist()
             about = f"{asked.shape}, {asked.cycles} cycles of {duration(asked.period)}"
             carried = f", payload {asked.payload:g} kg" if asked.payload else ""
-            found.append(Motion(motion.number, about + carried, asked.cycles, last))
+            tracks = bool(motion.tracks[-1:].any())
+            found.append(Motion(motion.number, about + carried, asked.cycles, last, tracks))
         return found
 
     @cached_property
@@ -167,7 +177,7 @@ class Content:
         run, done, said = self.run, [each for each in self.motions if each.last["cycles"]], ""
         if run.status is not Status.OK:
             whole, wanted = run.data.sizes["cycle"], sum(each.of for each in self.motions)
-            said = f"The run {run.status} after {whole} whole cycles of {wanted}. "
+            said = f"{ENDED[run.status]} after {whole} whole cycles of {wanted}. "
         if not done:
             return said + "It has no whole cycle to measure."
         done = [done[0], done[-1]] if len(done) > 3 else done
@@ -175,11 +185,17 @@ class Content:
         for each in done:
             much, kind = each.against
             where = f" in motion {each.number}" * (len(self.motions) > 1)
+            if not each.tracks:
+                off = length(each.last["tracking_rms"])
+                said += f"The tool is {off} RMS off its path{where}: its torque is of another one. "
+                continue
             needed.append(
                 (f"{much} {kind} torque²" if kind else "torque where none is due") + where
             )
             best.append(percent(each.last["torque_reduction_optimal"]) if kind else "nothing")
-        error = [length(each.last["tracking_rms"]) for each in done]
+        error = [length(each.last["tracking_rms"]) for each in done if each.tracks]
+        if not error:
+            return said.rstrip()
         return (
             f"{said}Compared with no springs, the motors end up needing {joined(needed)}; the best "
             f"constant springs would save {joined(best)}. The tool is {joined(error)} RMS off its "
@@ -192,7 +208,7 @@ def best(contents: Sequence[Content]) -> str:
     found: dict[str, list[str]] = {}
     for motions in zip(*(each.motions for each in contents), strict=False):
         shares = [motion.last["torque_reduction"] for motion in motions]
-        if None not in shares:
+        if None not in shares and all(motion.tracks for motion in motions):
             leader = max(range(len(shares)), key=shares.__getitem__)
             place = f"{percent(shares[leader])} in motion {motions[0].number}"
             found.setdefault(contents[leader].label, []).append(place)

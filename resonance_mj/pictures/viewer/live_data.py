@@ -10,7 +10,7 @@ import numpy as np
 
 from ...laws.memory import Memory
 from ...plan.plan import Plan
-from ...results.metrics import reduction
+from ...results.metrics import reduction, tracks
 from ...springs import spring as springs
 from ..film import frame_data
 from ..film.frame_data import FrameData, Scale
@@ -111,7 +111,9 @@ class LiveData:
         motion = self._one.schedule[cycle]
         if motion == self._one.schedule[cycle - 1]:
             without = self._one.optima[motion].torque_squared_without_springs
-            coming.reduction[:] = reduction((before.tau**2).sum(axis=1).mean(), without)
+            off = np.sqrt(((before.x - before.x_desired) ** 2).sum(axis=1).mean())
+            if tracks(off, np.ptp(before.x_desired, axis=0).max()):
+                coming.reduction[:] = reduction((before.tau**2).sum(axis=1).mean(), without)
         self.shown = joined([before, coming])
         self._begin, self._filled = len(before.time), 0
 
