@@ -111,6 +111,17 @@ def test_an_arm_of_millimetres_and_milligrams_reaches_its_optimum_though_it_fall
     assert rmj.simulate(slow).status is not rmj.Status.OK
 
 
+@pytest.mark.parametrize("friction", [2.0, 40.0])
+def test_joints_with_dry_friction_break_loose_and_follow_their_path(tmp_path, friction):
+    text = library.robots()["two_link.xml"].read_text()
+    rough = text.replace("damping=", f'frictionloss="{friction}" damping=')
+    (tmp_path / "arm.xml").write_text(rough)
+    run = rmj.simulate(for_robot(str(tmp_path / "arm.xml")), strict=True)
+    assert run.status is rmj.Status.OK
+    assert run.motions[0].cycles_to_optimum <= 12
+    assert run.motions[0].tracking_rms[-1] < 1e-3
+
+
 @pytest.mark.parametrize("motors", [4.0, 6.0])
 def test_motors_that_cannot_hold_the_arm_without_springs_reach_the_optimum_with_them(
     tmp_path, motors

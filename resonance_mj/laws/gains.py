@@ -72,7 +72,7 @@ def gains(experiment: Experiment, robot: Robot) -> Gains:
     rate = min(max(POSITION, own), fastest)
     alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
-    inertial = omega * robot.inertia + np.diag(_damping(robot, dt))
+    inertial = omega * robot.inertia + np.diag(_damping(robot, dt) + _dry_friction(robot, dt))
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))
     if law.follows_joints:
@@ -111,6 +111,15 @@ def _damping(robot: Robot, dt: float) -> np.ndarray:
     """
     D, kept = robot.damping, np.diag(robot.inertia)
     return D * (kept + 0.5 * dt * D) / (kept + dt * D)
+
+
+def _dry_friction(robot: Robot, dt: float) -> np.ndarray:
+    """Gain (n,) [N m s/rad] that joints with dry friction have besides: it over 1 rad/s.
+
+    At most what a joint that has broken loose bears when sampled, a quarter of M/dt.
+    """
+    friction = robot.model.dof_frictionloss[robot.dof_address]
+    return np.minimum(friction, 0.25 * np.diag(robot.inertia) / dt)
 
 
 def gravity_rate(robot: Robot) -> float:
