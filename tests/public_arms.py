@@ -275,7 +275,9 @@ def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
         if not found.at_optimum or found.warned:
             judged = found.judged
             figures = f"ratio {judged.ratio:.4g} RMS {judged.rms * 1e3:.3g} mm" if judged else ""
-            print(f"- {kind}: {_name(path)} {changes}: {found.status} {figures}: {found.said}")
+            print(
+                f"- {kind}: {Path(path).parent.name or path} {changes}: {found.status} {figures}: {found.said}"
+            )
             for note in found.warned:
                 print(f"    before{' (WRONG)' if note in found.wrong else ''}: {note}", flush=True)
     print(f"\n{len(jobs)} runs")
@@ -288,10 +290,6 @@ def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
 
 def _kind(note: str) -> str:
     return next(kind for sign, kind in SIGNS.items() if sign in note)
-
-
-def _name(path: str) -> str:
-    return Path(path).parent.name or path
 
 
 if __name__ == "__main__":
