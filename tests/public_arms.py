@@ -275,9 +275,8 @@ def count(jobs: list[tuple[str, dict[str, Any]]]) -> None:
         if not found.at_optimum or found.warned:
             judged = found.judged
             figures = f"ratio {judged.ratio:.4g} RMS {judged.rms * 1e3:.3g} mm" if judged else ""
-            print(
-                f"- {kind}: {Path(path).parent.name or path} {changes}: {found.status} {figures}: {found.said}"
-            )
+            arm = Path(path).parent.name or path
+            print(f"- {kind}: {arm} {changes}: {found.status} {figures}: {found.said}")
             for note in found.warned:
                 print(f"    before{' (WRONG)' if note in found.wrong else ''}: {note}", flush=True)
     print(f"\n{len(jobs)} runs")
