@@ -11,8 +11,8 @@ paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 test: $(VENV)/installed-dev   ## run the tests
 	$(BIN)/python -m pytest
 
-test-robots: $(VENV)/installed-dev   ## the law on commercial arms, downloaded; some minutes
-	$(BIN)/python -m pytest -m robots
+test-robots: $(VENV)/installed-dev   ## public arms, downloaded once (1.2 GB), and the tables of docs/robots.md
+	$(BIN)/python -m pytest -m robots --dist load
 
 test-sensitivity: $(VENV)/installed-dev   ## that the runs' expectations catch each single change
 	$(BIN)/python -m pytest -m sensitivity

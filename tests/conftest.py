@@ -1,4 +1,7 @@
-"""Tests that draw are skipped where this machine has no OpenGL that draws without a display."""
+"""Tests that draw are skipped where this machine has no OpenGL that draws without a display.
+
+Tests that record a row of a table as a property, by the table's heads, have the tables printed.
+"""
 
 import os
 import subprocess
@@ -35,3 +38,15 @@ def lacking():
 def pytest_runtest_setup(item):
     if item.get_closest_marker("opengl") and lacking():
         pytest.skip(lacking())
+
+
+def pytest_terminal_summary(terminalreporter):
+    tables = {}
+    for outcome in ("passed", "failed"):
+        for report in terminalreporter.stats.get(outcome, []):
+            for heads, row in report.user_properties:
+                if heads.startswith("| "):
+                    tables.setdefault(heads, []).append(row)
+    for heads, rows in tables.items():
+        terminalreporter.write_line("\n".join((heads, "|---" * (heads.count("|") - 1) + "|")))
+        terminalreporter.write_line("\n".join(sorted(rows)))
