@@ -11,6 +11,6 @@ class Status(StrEnum):
     NOT_TRACKING = "not tracking"
     """The tool does not follow its path: its RMS error is more than 2 % of the path's size."""
     IN_CONTACT = "in contact"
-    """The tool follows its path, and the arm touches itself or something else on its way."""
+    """The tool follows its path, and the arm touches something on its way, or a joint its stop."""
     DIVERGED = "diverged"
     """The arm left all bounds: try `law.lead = 1`, a smaller `law.beta` or a shorter time step."""

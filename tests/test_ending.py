@@ -10,6 +10,7 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj.errors import MotionError
 from resonance_mj.experiments.loading import for_robot
+from resonance_mj.motions.kinematics import JointMotion
 from resonance_mj.status import Status
 
 ARM = """<mujoco><compiler angle="{angle}"/>
@@ -87,8 +88,7 @@ def test_a_motion_of_no_size_keeps_clear_of_what_stands_in_the_way(tmp_path, pla
 
 
 def test_a_motion_of_no_size_is_one_that_the_motors_can_make_with_springs(tmp_path, plain):
-    weak = WEAK.replace("1", "0.3").replace("joint0.3", "joint1")
-    run = rmj.simulate(an_arm(tmp_path, motors=weak))
+    run = rmj.simulate(an_arm(tmp_path, motors=motors_of(0.3)))
     assert run.motions[0].size < 0.9 * plain.motions[0].size
     assert np.abs(run.plan.optima[0].torque).max() < 0.3
 
@@ -137,17 +137,29 @@ def _motion_of(run):
     return {"motion.0.size": motion.size, "motion.0.center": motion.center}
 
 
-WEAK = (
-    '<actuator><motor joint="joint1" ctrlrange="-1 1"/><motor joint="joint2" ctrlrange="-1 1"/>'
-    "</actuator>"
-)
+def motors_of(most):
+    joints = (f'<motor joint="joint{i}" ctrlrange="{-most} {most}"/>' for i in (1, 2))
+    return f"<actuator>{''.join(joints)}</actuator>"
 
 
-def test_weak_motors_are_named_with_their_share_of_the_cycle(tmp_path):
-    run = rmj.simulate(an_arm(tmp_path, motors=WEAK))
+def test_weak_motors_are_named_with_their_share_of_the_cycle(tmp_path, plain):
+    run = rmj.simulate(an_arm(tmp_path, _motion_of(plain), motors=motors_of(0.1)))
     assert run.status is Status.NOT_TRACKING
-    assert re.search(r"joint\d's motor is at its limit, -1 to 1 N m, for \d+", run.message)
+    assert re.search(r"joint\d's motor is at its limit, -0.1 to 0.1 N m, for \d+", run.message)
     assert "motion.0.period" in run.message
+
+
+def test_springs_hold_an_arm_that_its_motors_cannot_from_the_first_step(tmp_path):
+    run = rmj.simulate(an_arm(tmp_path, motors=motors_of(2.0)))
+    first = run.data.isel(time=0)
+    weight = run.plan.kinematics.torque(
+        JointMotion(run.plan.robot.home[None], np.zeros((1, 2)), np.zeros((1, 2)))
+    )[0]
+    spring = -first["stiffness"] * (run.plan.robot.home - first["center"]) + first["offset"]
+    assert abs(weight[0]) > 2.0
+    np.testing.assert_allclose(spring[0], weight[0], rtol=1e-9)
+    assert run.status is Status.OK
+    assert any("springs hold joint1" in note for note in run.plan.notes)
 
 
 def test_pure_resonance_is_at_the_optimum_though_it_needs_no_torque(tmp_path):

@@ -38,7 +38,6 @@ class Hindrance(NamedTuple):
 
     what: str
     cure: str
-    contact: bool = False
     bears: bool = True
     """Whether it exerts a force of its own."""
 
@@ -63,14 +62,14 @@ def ending(plan: Plan, motions: tuple[MotionOfRun, ...], last: dict[int, LastCyc
     for index, cycle in last.items():
         motion, name = motions[index], f"motion {index + 1}"
         held = hindrances(plan, index, cycle)
-        contacts = [one for one in held if one.contact]
+        bearing = [one for one in held if one.bears]
         notes += [f"in the last cycle of {name} {one.what}" for one in held]
         if not motion.tracks[-1]:
             lost.append(_lost(plan, index, motion, held))
-        elif contacts:
+        elif bearing:
             touched.append(
-                f"in the last cycle of {name} {named(contacts)}, and the "
-                f"springs bear on that too; try {contacts[0].cure}"
+                f"in the last cycle of {name} {named(bearing)}, and the "
+                f"springs bear on that too; try {bearing[0].cure}"
             )
     status = Status.NOT_TRACKING if lost else Status.IN_CONTACT if touched else Status.OK
     return Ending(status, "; ".join(lost or touched), tuple(notes))
@@ -126,7 +125,6 @@ def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
             f"{_share(touch.share)} of it",
             f"another motion.{index}.center, size or robot.home, or robot.contacts = false, with "
             "which bodies pass through each other",
-            contact=True,
         )
         for touch in touching(robot.model, robot.qpos, robot.qpos_address, seen)
     ]
