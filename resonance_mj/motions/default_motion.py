@@ -164,8 +164,9 @@ def _touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
     arm = robot.model, robot.qpos, robot.qpos_address
     clearance = CLEARANCE * reach(robot)
     near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
+    deep = 1e-3 * clearance  # deeper than rounding
     found = touching(*arm, q, clearance)
-    for first, second, depth, _ in (t for t in found if t.depth > 0 or t[:2] not in near):
+    for first, second, depth, _ in (t for t in found if t.depth > deep or t[:2] not in near):
         how = f"{length(depth)} deep" if depth else "or nearly so"
         return (
             f"{first} touches {second}, {how} (robot.contacts = false lets bodies pass through "
