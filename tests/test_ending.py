@@ -84,7 +84,18 @@ def test_a_motion_of_no_size_keeps_clear_of_what_stands_in_the_way(tmp_path, pla
     assert run.status is Status.OK
     assert run.motions[0].size < 0.9 * plain.motions[0].size
     with pytest.raises(MotionError, match=r"ground touches link.*robot\.contacts"):
-        rmj.simulate(an_arm(tmp_path, beside=GROUND.format(0.1, "")))
+        rmj.simulate(an_arm(tmp_path, beside=GROUND.format(2.0, "")))
+
+
+def test_where_home_leaves_no_room_a_motion_has_its_center_beside_it_and_says_so(tmp_path):
+    ground = GROUND.format(0.02, "")  # through the tool at home
+    run = rmj.simulate(an_arm(tmp_path, beside=ground))
+    assert any("motion.0: its center is" in note and "ground" in note for note in run.notes)
+    assert run.status is Status.OK
+    away = np.subtract(run.experiment.motion[0].center, run.plan.robot.position[[0, 2]])
+    assert 0.05 < np.linalg.norm(away) < 0.15
+    with pytest.raises(MotionError, match="ground touches link2"):
+        rmj.simulate(an_arm(tmp_path, {"motion.0.center": (0.454, 0.028)}, beside=ground))
 
 
 def test_a_motion_of_no_size_is_one_that_the_motors_can_make_with_springs(tmp_path, plain):

@@ -116,10 +116,11 @@ def _damping(robot: Robot, dt: float) -> np.ndarray:
 def _dry_friction(robot: Robot, dt: float) -> np.ndarray:
     """Gain (n,) [N m s/rad] that joints with dry friction have besides: it over 1 rad/s.
 
-    At most what a joint that has broken loose bears when sampled, a quarter of M/dt.
+    At most what a joint that has broken loose bears when sampled: a quarter of the inertia that it
+    feels alone, over dt.
     """
     friction = robot.model.dof_frictionloss[robot.dof_address]
-    return np.minimum(friction, 0.25 * np.diag(robot.inertia) / dt)
+    return np.minimum(friction, 0.25 / dt / np.diag(np.linalg.inv(robot.inertia)))
 
 
 def gravity_rate(robot: Robot) -> float:

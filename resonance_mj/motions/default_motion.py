@@ -37,6 +37,12 @@ CONDITIONING = 0.5
 LIMITS = 0.05
 """Least distance to a joint's limits, as a share of its range."""
 
+ASIDE = 0.1
+"""How far from home another center is looked for first, as a share of the reach."""
+
+ROOMY = 0.1
+"""Least ratio of J's singular values at such a center."""
+
 CLEARANCE = 0.01
 """Least distance between bodies that are not near each other anyway, as a share of the reach."""
 
@@ -44,15 +50,42 @@ MOTORS = 0.7
 """Most that the motors need with the best springs, as a share of their limits."""
 
 
-def filled_in(experiment: Experiment, kinematics: Kinematics, alpha_0: float = 10.0) -> Experiment:
-    """The experiment with what it left open in its motions filled in."""
+def filled_in(
+    experiment: Experiment, kinematics: Kinematics, alpha_0: float, notes: list[str]
+) -> Experiment:
+    """The experiment with what it left open in its motions filled in.
+
+    A motion of no size and no center, for which home leaves no room, gets a center beside it.
+
+    Args:
+        experiment: as it was given.
+        kinematics: of the robot.
+        alpha_0: rate at which the posture is taken back [1/s].
+        notes: get a line of each center that is not at home.
+
+    Raises:
+        ExperimentError: a motion does not fit the task.
+        MotionError: the arm follows no size of one with margin.
+    """
     robot = kinematics.robot
     at_home = kinematics.position(robot.home)
     filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"
         motion = motions.resolve(given, robot, at_home, name)
-        filled.append(sized(motion, kinematics, name, alpha_0, experiment.springs))
+        try:
+            fitting = sized(motion, kinematics, name, alpha_0, experiment.springs)
+        except MotionError as error:
+            if given.center is not None:
+                raise
+            fitting = _beside(motion, kinematics, name, alpha_0, experiment.springs, error)
+            away = np.subtract(fitting.center or (), motion.center or ())
+            why = str(error).partition(" m: ")[2].partition(". Give")[0]
+            notes.append(
+                f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
+                f"tool at home, where there is no room for it: {why}"
+            )
+        filled.append(fitting)
     return experiment.model_copy(update={"motion": tuple(filled)})
 
 
@@ -98,6 +131,36 @@ def sized(
         f"{size / SHRINK / 2:.2g}] m: {reason}. Give center, size and plane, or another home pose"
         f"{robot.hint}"
     )
+
+
+def _beside(
+    motion: Motion,
+    kinematics: Kinematics,
+    name: str,
+    alpha_0: float,
+    bounds: Springs,
+    error: MotionError,
+) -> Motion:
+    """A motion sized about the nearest center tried beside home that leaves room for it.
+
+    Raises:
+        MotionError: the given one, if none does.
+    """
+    robot = kinematics.robot
+    center, step = np.array(motion.center), ASIDE * reach(robot)
+    axes = np.concatenate([np.eye(len(center)), -np.eye(len(center))])
+    for away in (*step * axes, *2 * step * axes):
+        candidate = motion.model_copy(update={"center": tuple((center + away).tolist())})
+        try:
+            middle = _middle(candidate, kinematics, name)
+            values = np.linalg.svd(kinematics.jacobian(middle), compute_uv=False)
+            width = np.ptp(robot.model.jnt_range[robot.joint_id], axis=1)
+            inside = _to_limit(middle, robot) > LIMITS * width
+            if values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
+                return sized(candidate, kinematics, name, alpha_0, bounds)
+        except MotionError:
+            continue
+    raise error
 
 
 def reach(robot: Robot) -> float:
@@ -211,15 +274,10 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
             f"it comes near a singular pose, where the singular values of J have the ratio "
             f"{worst:.2g}, and at the center {usual:.2g}"
         )
-    model = robot.model
-    low, high = model.jnt_range[robot.joint_id].T
-
-    def to_limit(angles: np.ndarray) -> np.ndarray:
-        return np.maximum(np.minimum(angles - low, high - angles), 0.0)
-
+    low, high = robot.model.jnt_range[robot.joint_id].T
     # Where the center itself is nearer to a limit, half of its distance is kept.
-    margin = np.minimum(LIMITS * (high - low), to_limit(middle) / 2)
-    near = (to_limit(q) < margin) & robot.limited
+    margin = np.clip(_to_limit(middle, robot) / 2, 0.0, LIMITS * (high - low))
+    near = (_to_limit(q, robot) < margin) & robot.limited
     if near.any():
         j = int(np.argmax(near.any(axis=0)))
         return (
@@ -227,3 +285,9 @@ def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> 
             f"too near to the ends of its range, {low[j]:.3g} to {high[j]:.3g}"
         )
     return ""
+
+
+def _to_limit(q: np.ndarray, robot: Robot) -> np.ndarray:
+    """Distance of joint angles (..., n) to the nearer end of the range, negative beyond it."""
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    return np.minimum(q - low, high - q)

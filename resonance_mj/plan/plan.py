@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TypeVar
 
@@ -86,9 +86,8 @@ class Plan:
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center = self.q_c if law.printed else joints.q.mean(axis=0)
             period = self.experiment.motion[index].period
-            found.append(
-                best_springs(joints.q, torque, center=center, period=period, bounds=bounds)
-            )
+            best = best_springs(joints.q, torque, center=center, period=period, bounds=bounds)
+            found.append(best)
         return found
 
     @cached_property
@@ -269,7 +268,9 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
     chosen = gains(experiment, robot)
-    experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0)
+    said = list(robot.notes)
+    experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
+    robot = replace(robot, notes=tuple(said))
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:
         if motion.payload not in by_payload:
