@@ -18,6 +18,7 @@ import resonance_mj as rmj
 from resonance_mj import files
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures.film import frame_data, gl
+from resonance_mj.results import metrics
 
 SMALL = (320, 180)
 
@@ -406,7 +407,8 @@ def test_what_fails_besides_opengl_is_said_as_what_it_is(run, tmp_path, monkeypa
         rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, options=rmj.RenderOptions(size=SMALL))
 
 
-def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded():
+def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded(monkeypatch):
+    monkeypatch.setattr(metrics, "TRACKING", 1.0)  # so that its cycles have a reduction
     paper = rmj.load("paper")
     first, second = (motion.model_dump() for motion in paper.motion)
     first |= {"period": 0.1, "duration": 1.0, "sin": [[0.005], [-0.02]]}
