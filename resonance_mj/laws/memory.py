@@ -205,11 +205,9 @@ def matrix(memory: np.ndarray, start: float, rows: int, columns: int) -> np.ndar
 
 _named: Any = namedtuple  # whose names a type checker cannot follow
 
-Own = _named(
-    "Own",
-    "n m step site rotates form difference inertial usual length "
-    "alpha alpha_0 timestep speed_limit " + " ".join(name for name in ARRAYS if name != "record"),
-)
+_NUMBERS = "n m step site rotates form difference inertial usual length alpha alpha_0 timestep"
+_VIEWS = [name for name in ARRAYS if name != "record"]
+Own = _named("Own", [*_NUMBERS.split(), "speed_limit", *_VIEWS])
 """The numbers of the header that the law is tuned by, and a view of each array."""
 
 Row = _named("Row", list(COLUMNS))
