@@ -9,6 +9,7 @@ from resonance_mj.experiments.law_section import KINDS
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.laws import laws, learning
 from resonance_mj.laws.gains import gains
+from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
 
@@ -125,7 +126,7 @@ def test_joint_space_law_follows_the_desired_joint_angles():
 def test_joint_space_gains_are_at_home_what_those_of_the_task_are():
     one = experiment("joint-space", **{"law.k_v": [150.0, 250.0], "law.k_p": [1000.0, 3000.0]})
     robot = build(one)
-    found, J = gains(one, robot), jacobian(robot.home)
+    found, J = gains(one, Kinematics(robot)), jacobian(robot.home)
     np.testing.assert_allclose(found.feedback, J.T @ np.diag([150.0, 250.0]) @ J, rtol=1e-9)
     np.testing.assert_allclose(found.feedback_p, J.T @ np.diag([1000.0, 3000.0]) @ J, rtol=1e-9)
     run_ = rmj.simulate(one.replace({"motion.0.duration": 1.0, "simulation.integrator": "RK4"}))

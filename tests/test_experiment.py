@@ -251,3 +251,11 @@ def test_an_unknown_name_lists_those_that_exist():
     with pytest.raises(rmj.ResonanceError, match="did you mean 'paper'") as caught:
         rmj.load("papr")
     assert all(name in str(caught.value) for name in library.experiments())
+
+
+@pytest.mark.parametrize("make", [Path.mkdir, Path.touch])
+def test_what_lies_beside_a_file_is_not_taken_for_the_law_that_it_names(tmp_path, make):
+    """As the folder of the run of an experiment that is called as its law: runs/paper."""
+    make(tmp_path / "paper")
+    (tmp_path / "mine.toml").write_text('[robot]\nmjcf = "two_link.xml"\n[law]\nkind = "paper"\n')
+    assert rmj.load(tmp_path / "mine.toml").law.kind == "paper"

@@ -13,6 +13,7 @@ from resonance_mj.motions import default_motion, motion, rotations
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.motions.motion import blended, resolve, sample
 from resonance_mj.plan.plan import plan_for
+from resonance_mj.robots.reach import reach
 from resonance_mj.robots.robot import build
 
 SIX_JOINTS = """
@@ -549,8 +550,8 @@ def test_a_motion_without_a_size_is_reachable_with_margin_and_always_the_same(sh
     assert one == plan_for(plain).experiment
     a, b = one.motion[0].size
     assert a == 2 * b
-    assert 0.01 < a <= default_motion.SHARE * default_motion.reach(robot)
-    assert np.isclose(default_motion.reach(robot), 0.55)  # The paper's links, 0.3 m and 0.25 m.
+    assert 0.01 < a <= default_motion.SHARE * reach(robot)
+    assert np.isclose(reach(robot), 0.55)  # The paper's links, 0.3 m and 0.25 m.
     (joints,) = plan.joints
     kinematics = Kinematics(robot)
 

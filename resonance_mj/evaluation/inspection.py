@@ -11,9 +11,9 @@ import tomlkit
 from ..experiments.experiment import Experiment
 from ..experiments.keys import describe
 from ..laws.gains import Gains
-from ..motions import default_motion
 from ..motions.kinematics import JointMotion
 from ..plan.plan import Plan, plan_for
+from ..robots.reach import reach
 from ..robots.robot import Robot
 from ..robots.tool import Tool
 from ..springs.optimum import Optimum
@@ -132,7 +132,7 @@ def inspect(experiment: Experiment) -> Inspection:
         tool=tool,
         tool_reason=chosen[0].rpartition(", ")[2] if chosen else "given",
         axes=robot.axes,
-        reach=default_motion.reach(robot),
+        reach=reach(robot),
         conditioning=np.array([one[-1] / one[0] for one in values]),
         gains=plan.gains,
         torque_reduction=best.torque_reduction,

@@ -12,6 +12,7 @@ from ..errors import ExperimentError
 from ..files import is_file, is_folder, read_text
 from ..text import listed, nearest, shown
 from .experiment import Experiment
+from .law_section import KINDS
 from .model_objects import as_file
 from .validation import NESTED, validated
 
@@ -39,9 +40,10 @@ def load(name: str | os.PathLike[str]) -> Experiment:
     tables += [(motion, "file") for motion in (motions if isinstance(motions, list) else ())]
     for table, key in tables:
         # A file that is named in an experiment is looked for beside it first.
-        if isinstance(table, dict) and isinstance(table.get(key), str):
-            beside = path.parent / table[key]
-            if is_file(beside) or (table[key] and is_folder(beside)):
+        if isinstance(table, dict) and isinstance(given := table.get(key), str) and given:
+            beside = path.parent / given
+            named = key == "kind" and given in KINDS
+            if not named and (is_file(beside) or (key == "mjcf" and is_folder(beside))):
                 table[key] = str(beside.resolve())
     values.setdefault("name", path.stem)
     return validated(Experiment, values, str(path))

@@ -36,7 +36,7 @@ def as_file(given: Any) -> Any:
     folder = user_cache_path("resonance-mj") / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{safe[:60]}-{hashlib.sha256(content).hexdigest()[:8]}.mjb"
-    if not path.is_file():
+    if not path.is_file() or path.read_bytes() != content:
         with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
             file.write(content)
         Path(file.name).replace(path)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 from ..experiments.experiment import Experiment
 from ..experiments.law_section import Law
+from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
 
 BANDWIDTH = 60.0
@@ -56,18 +56,19 @@ class Gains:
     torque_limit: np.ndarray
 
 
-def gains(experiment: Experiment, robot: Robot) -> Gains:
+def gains(experiment: Experiment, kinematics: Kinematics) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
     Without K_v and K_p the feedback is -(ω M̂ + D) y with M̂ = M(q_home) and D the joints' own
     damping, so that one number serves every robot: a motor that drives a damped joint needs D q̇
     beside M q̈. Without β the law learns η times the feedback torque itself.
     """
-    law, n, m = experiment.law, robot.n, robot.m
+    law, robot = experiment.law, kinematics.robot
+    n, m = robot.n, robot.m
     dt = experiment.simulation.timestep
     by_hand = law.k_v is not None or law.k_p is not None
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
-    fastest, own = 0.1 / dt, gravity_rate(robot)
+    fastest, own = 0.1 / dt, gravity_rate(kinematics)
     omega = min(max(BANDWIDTH, 3 * own), fastest) if law.omega is None else law.omega
     rate = min(max(POSITION, own), fastest)
     alpha = rate if law.alpha is None else law.alpha
@@ -123,23 +124,17 @@ def _dry_friction(robot: Robot, dt: float) -> np.ndarray:
     return np.minimum(friction, 0.25 / dt / np.diag(np.linalg.inv(robot.inertia)))
 
 
-def gravity_rate(robot: Robot) -> float:
+def gravity_rate(kinematics: Kinematics) -> float:
     """How fast the arm falls from its home, or swings about it, by gravity alone: λ [1/s].
 
     λ² is the largest eigenvalue, of either sign, of M⁻¹ dτ/dq, with τ the torque of gravity. A
     small arm is fast: λ² is about gravity over length. Feedback must be faster to bear on it.
     """
-    model, data, at = robot.model, mujoco.MjData(robot.model), robot.qpos_address
-    data.qpos[:] = robot.qpos
-    torque = np.empty((2, robot.n, robot.n))
-    for j in range(robot.n):
-        for side, step in enumerate((1e-5, -1e-5)):
-            data.qpos[at[j]] = robot.home[j] + step
-            mujoco.mj_fwdPosition(model, data)
-            mujoco.mj_fwdVelocity(model, data)
-            torque[side, :, j] = (data.qfrc_passive - data.qfrc_bias)[robot.dof_address]
-        data.qpos[at[j]] = robot.home[j]
-    slope = (torque[0] - torque[1]) / 2e-5
+    robot, step = kinematics.robot, 1e-5
+    aside = step * np.concatenate([np.eye(robot.n), -np.eye(robot.n)])
+    still = np.zeros_like(aside)
+    torque = kinematics.torque(JointMotion(robot.home + aside, still, still))
+    slope = (torque[: robot.n] - torque[robot.n :]).T / (2 * step)
     return float(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(robot.inertia, slope))).max()))
 
 

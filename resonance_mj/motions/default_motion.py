@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
 from ..experiments.sections import Springs
+from ..robots.reach import reach
 from ..robots.robot import Robot
-from ..robots.touching import touching
+from ..robots.touching import UNFELT, touching
 from ..springs.optimum import best_springs
 from ..text import length
 from . import motion as motions
@@ -50,6 +50,19 @@ MOTORS = 0.7
 """Most that the motors need with the best springs, as a share of their limits."""
 
 
+class NoRoomError(MotionError):
+    """The arm follows no size of a motion about its center with margin.
+
+    Args:
+        message: what the user is told.
+        reason: why not, in a few words.
+    """
+
+    def __init__(self, message: str, reason: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
 def filled_in(
     experiment: Experiment, kinematics: Kinematics, alpha_0: float, notes: list[str]
 ) -> Experiment:
@@ -75,15 +88,14 @@ def filled_in(
         motion = motions.resolve(given, robot, at_home, name)
         try:
             fitting = sized(motion, kinematics, name, alpha_0, experiment.springs)
-        except MotionError as error:
+        except NoRoomError as error:
             if given.center is not None:
                 raise
             fitting = _beside(motion, kinematics, name, alpha_0, experiment.springs, error)
             away = np.subtract(fitting.center or (), motion.center or ())
-            why = str(error).partition(" m: ")[2].partition(". Give")[0]
             notes.append(
                 f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
-                f"tool at home, where there is no room for it: {why}"
+                f"tool at home, where there is no room for it: {error.reason}"
             )
         filled.append(fitting)
     return experiment.model_copy(update={"motion": tuple(filled)})
@@ -110,7 +122,8 @@ def sized(
         bounds: of the springs.
 
     Raises:
-        MotionError: the arm follows no size of it with margin.
+        NoRoomError: the arm follows no size of it with margin.
+        MotionError: its center is out of reach.
     """
     if motion.size is not None or motion.shape in ("fourier", "csv"):
         return motion
@@ -126,10 +139,11 @@ def sized(
         if not reason:
             return candidate
         size *= SHRINK
-    raise MotionError(
+    raise NoRoomError(
         f"{name}: no size is given, and even with size = [{size / SHRINK:.2g}, "
         f"{size / SHRINK / 2:.2g}] m: {reason}. Give center, size and plane, or another home pose"
-        f"{robot.hint}"
+        f"{robot.hint}",
+        reason,
     )
 
 
@@ -139,12 +153,12 @@ def _beside(
     name: str,
     alpha_0: float,
     bounds: Springs,
-    error: MotionError,
+    error: NoRoomError,
 ) -> Motion:
     """A motion sized about the nearest center tried beside home that leaves room for it.
 
     Raises:
-        MotionError: the given one, if none does.
+        NoRoomError: the given one, if none does.
     """
     robot = kinematics.robot
     center, step = np.array(motion.center), ASIDE * reach(robot)
@@ -161,21 +175,6 @@ def _beside(
         except MotionError:
             continue
     raise error
-
-
-def reach(robot: Robot) -> float:
-    """Distance from the first joint to the tool with the chain stretched out [m].
-
-    The sum of the distances between the joints' anchors at home, and of the ways of slide joints.
-    """
-    model, data = robot.model, mujoco.MjData(robot.model)
-    data.qpos[:] = robot.qpos
-    mujoco.mj_kinematics(model, data)
-    points = np.vstack([data.xanchor[robot.joint_id], data.site_xpos[robot.site]])
-    slides = model.jnt_type[robot.joint_id] == int(mujoco.mjtJoint.mjJNT_SLIDE)
-    ways = np.abs(model.jnt_range[robot.joint_id] - robot.home[:, None]).max(axis=1)
-    way = ways[slides & model.jnt_limited[robot.joint_id].astype(bool)].sum()
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum() + way)
 
 
 def _middle(motion: Motion, kinematics: Kinematics, name: str) -> np.ndarray:
@@ -227,14 +226,12 @@ def _touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
     arm = robot.model, robot.qpos, robot.qpos_address
     clearance = CLEARANCE * reach(robot)
     near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
-    deep = 1e-3 * clearance  # deeper than rounding
     found = touching(*arm, q, clearance)
-    for first, second, depth, _ in (t for t in found if t.depth > deep or t[:2] not in near):
-        how = f"{length(depth)} deep" if depth else "or nearly so"
-        return (
-            f"{first} touches {second}, {how} (robot.contacts = false lets bodies pass through "
-            "each other)"
-        )
+    # A distance that is found within a clearance is 0 only to rounding: a few exact looks tell.
+    exact = touching(*arm, q[::GLANCE]) if near else []
+    for touch in (*exact, *(t for t in found if t.depth > UNFELT or t[:2] not in near)):
+        how = "" if touch.depth or touch in exact else ", or nearly so"
+        return f"{touch}{how} (robot.contacts = false lets bodies pass through each other)"
     return ""
 
 

@@ -11,10 +11,10 @@ from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
-from ..robots.touching import touching
+from ..robots.touching import PASSING, touching
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum
-from ..text import joined, length, percent
+from ..text import joined, percent
 
 NEAR_SINGULAR = 0.05
 """Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
@@ -112,9 +112,8 @@ def _touching(name: str, robot: Robot, joints: JointMotion) -> list[str]:
     """What touches along a motion."""
     found = touching(robot.model, robot.qpos, robot.qpos_address, _poses(joints))
     return [
-        f"{name} makes {touch.first} touch {touch.second}, up to {length(touch.depth)} deep, for "
-        f"{percent(touch.share, 0)} of it: give another center, size or home, or "
-        "robot.contacts = false, with which bodies pass through each other"
+        f"along {name} {touch}, for {percent(touch.share, 0)} of it: give another center, size or "
+        f"home, or {PASSING}"
         for touch in found
     ]
 

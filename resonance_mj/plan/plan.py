@@ -267,7 +267,7 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     law = laws.load(experiment.law.kind)
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
-    chosen = gains(experiment, robot)
+    chosen = gains(experiment, unloaded)
     said = list(robot.notes)
     experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
     robot = replace(robot, notes=tuple(said))

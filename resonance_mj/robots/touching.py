@@ -7,6 +7,14 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
+from ..text import length
+
+PASSING = "robot.contacts = false, with which bodies pass through each other"
+"""What cures a contact that is none of the real arm's."""
+
+UNFELT = 1e-6
+"""Depth up to which bodies lie on each other [m]."""
+
 
 class Touch(NamedTuple):
     """Two bodies that touch along a motion.
@@ -23,6 +31,10 @@ class Touch(NamedTuple):
     second: str
     depth: float
     share: float
+
+    def __str__(self) -> str:
+        deep = f", {length(self.depth)} deep" if self.depth > UNFELT else ""
+        return f"{self.first} touches {self.second}{deep}"
 
 
 FAR = 3

@@ -9,7 +9,7 @@ import numpy as np
 from ..plan.plan import Plan
 from ..results.metrics import TRACKING
 from ..results.motions import MotionOfRun
-from ..robots.touching import touching
+from ..robots.touching import PASSING, touching
 from ..status import Status
 from ..text import angle, joined, length, percent
 
@@ -50,18 +50,19 @@ class Ending(NamedTuple):
     notes: tuple[str, ...]
 
 
-def ending(plan: Plan, motions: tuple[MotionOfRun, ...], last: dict[int, LastCycle]) -> Ending:
+def ending(
+    plan: Plan, motions: tuple[MotionOfRun, ...], hindered: dict[int, list[Hindrance]]
+) -> Ending:
     """Judge the last whole cycle of each motion as one who watches it would.
 
     Args:
         plan: that was simulated.
         motions: of the run.
-        last: last whole cycle of each, by its number from 0.
+        hindered: `hindrances` of the last whole cycle of each that has one, by its number from 0.
     """
     lost, touched, notes = [], [], []
-    for index, cycle in last.items():
+    for index, held in hindered.items():
         motion, name = motions[index], f"motion {index + 1}"
-        held = hindrances(plan, index, cycle)
         bearing = [one for one in held if one.bears]
         notes += [f"in the last cycle of {name} {one.what}" for one in held]
         if not motion.tracks[-1]:
@@ -121,10 +122,8 @@ def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     seen = cycle.q[:: max(1, len(cycle.q) // LOOKED_AT)]
     return [
         Hindrance(
-            f"{touch.first} touches {touch.second}, up to {length(touch.depth)} deep, for "
-            f"{_share(touch.share)} of it",
-            f"another motion.{index}.center, size or robot.home, or robot.contacts = false, with "
-            "which bodies pass through each other",
+            f"{touch}, for {_share(touch.share)} of it",
+            f"another motion.{index}.center, size or robot.home, or {PASSING}",
         )
         for touch in touching(robot.model, robot.qpos, robot.qpos_address, seen)
     ]

@@ -7,8 +7,8 @@ import numpy as np
 from ..errors import ExperimentError
 from ..experiments.sections import Springs
 from ..laws.memory import Memory
-from ..motions import default_motion
 from ..plan.plan import Plan
+from ..robots.reach import reach as arm_reach
 from ..springs.fit import LinearSprings, reach
 from ..text import shown
 
@@ -43,7 +43,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("inertial", bool(chosen.feedback.any())),
         ("usual", 0.1 * robot.usual),
         # The sine of (5) is of metres, and turns back at π/2 of them: on larger arms, of reaches.
-        ("length", 1.0 if law.printed else max(1.0, default_motion.reach(robot))),
+        ("length", 1.0 if law.printed else max(1.0, arm_reach(robot))),
         ("alpha", chosen.alpha),
         ("alpha_0", chosen.alpha_0),
         ("timestep", dt),

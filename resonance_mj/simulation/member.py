@@ -80,8 +80,10 @@ class Member:
         Args:
             wall_s: wall time of the simulation [s].
         """
-        data = self._recording.dataset()
-        ended = ending(self.plan, motions(data), self._recording.last)
+        last = self._recording.last.items()
+        hindered = {index: hindrances(self.plan, index, cycle) for index, cycle in last}
+        data = self._recording.dataset(hindered)
+        ended = ending(self.plan, motions(data), hindered)
         if self.status is Status.OK:
             self.status, self._message = ended.status, ended.message
         notes = (*self.plan.notes, *ended.notes, *self._stepper.warnings(self._index))

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
 from ..laws.memory import COLUMNS
-from ..motions.default_motion import reach
 from ..motions.motion import sample
 from ..plan.plan import Plan
 from ..results import metrics, schema
+from ..robots.reach import reach
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
-from .ending import LastCycle, hindrances
+from .ending import Hindrance, LastCycle
 
 POSES = 8
 """Poses of a cycle at which its distance from singular poses is measured."""
@@ -117,7 +117,9 @@ class Recording:
         for name, value in zip(LinearSprings._fields, springs, strict=True):
             found[f"{name}_per_cycle"].append(value.copy())
 
-    def optima(self, size: np.ndarray) -> tuple[list[Optimum], np.ndarray]:
+    def optima(
+        self, size: np.ndarray, hindered: Mapping[int, Sequence[Hindrance]]
+    ) -> tuple[list[Optimum], np.ndarray]:
         """The optimum of each motion, and whether it is of the joint motion made.
 
         Where the task leaves joints free, it does not determine the joint motion: then that of the
@@ -126,12 +128,13 @@ class Recording:
 
         Args:
             size: of the path of each motion [m].
+            hindered: as of `dataset`.
         """
-        plan, experiment = self._plan, self._plan.experiment
-        found, made = list(plan.optima), np.zeros(len(plan.optima), int)
+        experiment, found = self._plan.experiment, list(self._plan.optima)
+        made = np.zeros(len(found), int)
         if self._robot.m < self._robot.n:
             for segment, cycle in self.last.items():
-                free = not any(one.bears for one in hindrances(plan, segment, cycle))
+                free = not any(one.bears for one in hindered[segment])
                 if free and self._follows(segment, size[segment]):
                     made[segment] = 1
                     found[segment] = best_springs(
@@ -151,10 +154,14 @@ class Recording:
         )
         return bool(metrics.tracks(position, size, rotation if rotation.size else None)[0])
 
-    def dataset(self) -> xr.Dataset:
-        """The run so far, as labelled arrays with units."""
+    def dataset(self, hindered: Mapping[int, Sequence[Hindrance]]) -> xr.Dataset:
+        """The run so far, as labelled arrays with units.
+
+        Args:
+            hindered: what hindered the arm in the last whole cycle of each motion, by its number.
+        """
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
-        optima, made = self.optima(size)
+        optima, made = self.optima(size, hindered)
         cycles = len(self._cycles["torque_squared"])
         width = {"joint": robot.n, "axis": robot.m}
 
