@@ -386,8 +386,15 @@ def test_what_stands_in_the_working_folder_is_not_executed(folder, tmp_path):
 @pytest.mark.opengl
 def test_a_label_is_one_line_whatever_is_in_it(run, tmp_path):
     options = rmj.RenderOptions(size=SMALL)
-    for label in ("two\nlines\0", "long " * 1000, ""):
-        rmj.render(run, tmp_path / "o.mp4", 0.0, 0.1, 10.0, options=options, labels=[label])
+    pictures = []
+    for label in ("plain", "two\nlines\0", "long " * 1000, ""):
+        rmj.render(run, tmp_path / "o.mp4", 1.0, 1.1, 10.0, options=options, labels=[label])
+        pictures += list(decoded(tmp_path / "o.mp4"))
+    assert len(pictures) == 4
+    one_line = round(0.1 * SMALL[1])
+    for picture in pictures[1:]:
+        assert np.abs(picture[:one_line] - pictures[0][:one_line]).mean() > 1
+        assert np.abs(picture[one_line:] - pictures[0][one_line:]).mean() < 1
 
 
 def test_runs_that_have_no_room_side_by_side_are_refused(run, tmp_path):

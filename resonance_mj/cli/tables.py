@@ -180,8 +180,9 @@ def comparison(found: Comparison) -> Table:
         f"{found.experiment.name}: last cycle of each motion",
         "The best: the optimum of constant springs along the joint motion "
         + ("desired" if of == "desired" else "made by each law")
-        + ". Cycles to the best: the first from which torque² stays within 5 % of it. Energy: the "
-        "sum over joints of ∫|τ q̇| dt.",
+        + ". Cycles to the best: the first from which torque² stays within 5 % of it; off: the "
+        "tool is off its path, and its torque that of another motion. Energy: the sum over joints "
+        "of ∫|τ q̇| dt.",
         tight=True,
     )
     for heading in (
@@ -204,15 +205,18 @@ def comparison(found: Comparison) -> Table:
             f"motion {at + 1}: the best", best[0] if len(best) == 1 else "", "100.0", style="bold"
         )
         for row in mine:
+            motion = found.runs[row["law"]].motions[at]
+            off = bool(len(motion.cycles)) and not motion.tracks[-1]
             drawn.add_row(
                 row["title"],
                 _times(row["torque_reduction"], 100, 1),
                 _times(row["share"], 100, 1),
-                _reached(found.runs[row["law"]].motions[at]),
+                "off" if off else _reached(motion),
                 _times(row["tracking_rms"], 1e3, 3),
                 number(row["peak_torque"], 2),
                 number(row["energy"], 2),
                 row["long_run"],
+                style="dim" if off else None,
             )
     return drawn
 
