@@ -267,9 +267,10 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     law = laws.load(experiment.law.kind)
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
-    chosen = gains(experiment, unloaded)
     said = list(robot.notes)
-    experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
+    with heard() as warned:
+        chosen = gains(experiment, unloaded)
+        experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
     robot = replace(robot, notes=tuple(said))
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:
@@ -283,6 +284,7 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
         law=law,
         gains=chosen,
         _followed={} if followed is None else followed,
+        _warned=warned,
     )
 
 
