@@ -1,5 +1,7 @@
 """Tune a robot's joint springs to its motion, in MuJoCo."""
 
+from __future__ import annotations
+
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

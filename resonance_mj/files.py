@@ -1,7 +1,5 @@
 """Files of users, read with care, and files written so that nothing is ever left half-written."""
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil

@@ -3,8 +3,6 @@
 Marking imports no compiler: a run whose machine code is on disk never needs one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeVar
 

@@ -4,8 +4,6 @@
 block, and refuses where another callback is in place.
 """
 
-from __future__ import annotations
-
 import ctypes
 import threading
 from collections.abc import Callable, Iterator

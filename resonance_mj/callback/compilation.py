@@ -1,7 +1,5 @@
 """The control callback translated by Numba, for one layout of MuJoCo's structs and one command."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from types import FunctionType
 from typing import Any

@@ -1,7 +1,5 @@
 """What compiling a function freezes: its code, its constants, and the globals that it reads."""
 
-from __future__ import annotations
-
 import builtins
 from collections.abc import Callable, Iterator
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType

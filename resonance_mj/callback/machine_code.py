@@ -1,7 +1,5 @@
 """Machine code kept on disk: a compiled function is loaded without its compiler."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import hashlib

@@ -1,7 +1,5 @@
 """`resonance-mj`: which command is meant, and how each of them ends."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

@@ -1,7 +1,5 @@
 """The keys of an experiment as options: --law.beta 3."""
 
-from __future__ import annotations
-
 import tomllib
 from argparse import Namespace
 from typing import Any

@@ -1,7 +1,5 @@
 """The commands about the program itself: what comes with it, and of which versions it is."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 
 from .. import library

@@ -1,7 +1,5 @@
 """Keys that were given and have no effect: a run does not pass over them in silence."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every key of an experiment file, for those who write one."""
 
-from __future__ import annotations
-
 from pydantic import BaseModel
 
 from ..text import shown

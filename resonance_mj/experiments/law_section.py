@@ -1,7 +1,5 @@
 """The section [law] of an experiment file."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator

@@ -1,7 +1,5 @@
 """Experiments from files, from built-in names, and for an arm with nothing else given."""
 
-from __future__ import annotations
-
 import os
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A MuJoCo model from memory as a file, so that an experiment can name it, save it and be sent."""
 
-from __future__ import annotations
-
 import hashlib
 import tempfile
 from pathlib import Path

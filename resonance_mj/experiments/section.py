@@ -1,7 +1,5 @@
 """What the sections of an experiment file have in common: their types, each with its range."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Tables as TOML: in linear time, which tomlkit is not, and a list on a line, unlike tomli-w."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Values against the sections that take them, with errors of one line."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from typing import Any, TypeVar, get_args

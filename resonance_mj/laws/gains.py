@@ -1,7 +1,5 @@
 """The gains of a law on a robot: given by hand, or found from its inertia and the time step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The size of a motion that gives none: the largest that the arm follows with margin."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..errors import MotionError

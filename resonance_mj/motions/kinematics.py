@@ -1,7 +1,5 @@
 """Joint motion behind a task-space motion: for the evaluation, never for the controller."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

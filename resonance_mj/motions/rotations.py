@@ -5,8 +5,6 @@ The orientation is exp(r) R_home with r in the world frame. Its angular velocity
 A = (1 - cos θ)/θ² and B = (θ - sin θ)/θ³ at the angle θ = |r|.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where in a run something happens: what a time axis and a film show of it."""
 
-from __future__ import annotations
-
 from ..results.run import Run
 
 CYCLES = 2

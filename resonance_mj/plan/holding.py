@@ -1,7 +1,5 @@
 """Springs that hold the arm at home before anything is learned, where its motors cannot."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..experiments.experiment import Experiment

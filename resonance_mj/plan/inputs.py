@@ -1,7 +1,5 @@
 """The files that an experiment names: a run's folder keeps copies, so that it can be sent."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """What to know before a run starts: motors too weak, poses nearly singular, what will diverge."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Everything that is known of an experiment before its first step, built once and passed on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """The whole cycles of a run whose samples were kept, one by one."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How good a run is: torque against the optimum, cycles until the optimum is reached."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

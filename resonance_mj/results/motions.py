@@ -1,7 +1,5 @@
 """One motion of a run at a time: what every reader of a run asks for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

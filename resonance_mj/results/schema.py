@@ -1,7 +1,5 @@
 """The one table of what a run holds: dimensions, units and meaning of every variable."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

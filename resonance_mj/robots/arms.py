@@ -1,7 +1,5 @@
 """The arms of a model: chains of joints without a gripper's, and what hangs on their ends."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

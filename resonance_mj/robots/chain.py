@@ -1,7 +1,5 @@
 """The joints from the world to a body, and whether they can carry springs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mujoco

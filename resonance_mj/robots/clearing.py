@@ -1,7 +1,5 @@
 """What acts on the joints besides the law is taken out of the model."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Constraints that tie an arm's joints to each other: the law moves each joint by itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mujoco

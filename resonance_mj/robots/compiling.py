@@ -1,7 +1,5 @@
 """A file is parsed and compiled, with MuJoCo's own message and the file in the error."""
 
-from __future__ import annotations
-
 import threading
 import warnings
 from pathlib import Path

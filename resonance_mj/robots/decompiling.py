@@ -1,7 +1,5 @@
 """A compiled model as one that can be edited: MuJoCo keeps no way back."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import mujoco

@@ -1,7 +1,5 @@
 """Where an arm starts: as given, as its author has it, else well-conditioned and free."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

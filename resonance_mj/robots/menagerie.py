@@ -1,7 +1,5 @@
 """Arms of MuJoCo Menagerie by name, through its own package, which downloads them on first use."""
 
-from __future__ import annotations
-
 import difflib
 import os
 from importlib import import_module

@@ -5,8 +5,6 @@ each such change is listed. The arm is found in the model as its author wrote it
 edited copy is compiled by `robot.build`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A torque motor on each joint; the limits and rotors of the file's actuators are kept."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

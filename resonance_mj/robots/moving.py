@@ -1,7 +1,5 @@
 """Which of the joints between the world and the tool move; the others are held, with a reason."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mujoco

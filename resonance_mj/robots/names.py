@@ -1,7 +1,5 @@
 """Names of joints, bodies and sites: those that are missing, and what the given ones mean."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

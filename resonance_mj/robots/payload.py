@@ -1,7 +1,5 @@
 """What the tool carries: a point mass at its site, of another size in each motion."""
 
-from __future__ import annotations
-
 import copy
 
 import mujoco

@@ -1,7 +1,5 @@
 """Bodies put where the home pose has them: what does not move the tool is held there."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import mujoco

@@ -1,7 +1,5 @@
 """How far an arm reaches: the length that sizes and distances on it are shares of."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

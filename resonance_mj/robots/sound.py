@@ -1,7 +1,5 @@
 """Whether an arm's numbers are ones that a simulation can work with."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """The files that a robot consists of: its MJCF, what it includes, and its meshes and textures."""
 
-from __future__ import annotations
-
 import os
 import zipfile
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The task's coordinates: the positions that an arm controls, and the joints that have no part."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The point of an arm that works: the one that is named, or the one that is found."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

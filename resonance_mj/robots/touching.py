@@ -1,7 +1,5 @@
 """Which bodies of an arm touch which along a motion, how deep, and for what share of it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import mujoco

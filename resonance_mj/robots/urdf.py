@@ -1,7 +1,5 @@
 """A URDF with its visuals, and with its packages found where ROS would find them."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What MuJoCo warns of is heard here, and neither written to MUJOCO_LOG.TXT nor to the screen."""
 
-from __future__ import annotations
-
 import re
 import threading
 from collections.abc import Iterable, Iterator

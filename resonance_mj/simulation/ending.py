@@ -1,7 +1,5 @@
 """How a run ended that did not diverge: does each tool follow its path, held back by what."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

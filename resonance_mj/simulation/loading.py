@@ -1,7 +1,5 @@
 """An experiment written into the controller's memory: its law once, its motion cycle by cycle."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..errors import ExperimentError

@@ -1,7 +1,5 @@
 """One robot of those that step together: what is done before and after each of its cycles."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..errors import ExperimentError

@@ -1,7 +1,5 @@
 """What is kept of a run while it is simulated: whole cycles in time, and every cycle in brief."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """Experiments through MuJoCo's integrator: one call of `mj_step` per cycle, learning in between."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 

@@ -1,7 +1,5 @@
 """Robots that step together: one in its mjData, or many of one layout in a `mujoco.batch`."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import mujoco

@@ -1,7 +1,5 @@
 """The optimum: the best constant springs for a joint motion, (2), (3), and what they leave over."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

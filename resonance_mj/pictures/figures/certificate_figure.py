@@ -1,7 +1,5 @@
 """The certificates of a run as a figure: (11), c_7 of (15) and N of (22), cycle by cycle."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

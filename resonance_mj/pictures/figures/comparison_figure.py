@@ -1,7 +1,5 @@
 """The figure of a comparison: torque² and tracking of every law per cycle, and in the long run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

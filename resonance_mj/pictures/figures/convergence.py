@@ -1,7 +1,5 @@
 """Several runs in one figure: how fast each comes to its own optimum, and onto its path."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Panels over the cycles of a run: where its motions change, torque² beside its bounds, errors."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Torque² beside its bounds and the tracking error, cycle by cycle."""
 
-from __future__ import annotations
-
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """How much room text takes, known before anything is drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 from textwrap import wrap

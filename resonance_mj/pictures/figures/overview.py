@@ -1,7 +1,5 @@
 """The paper's Fig. 4 (a)-(h) for any number of joints, and torque² per cycle below."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """The desired path in the task space, and where the tool went in the first and the last cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

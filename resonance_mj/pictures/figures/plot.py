@@ -1,7 +1,5 @@
 """Draw figures of runs and write them as files, each complete before it takes its name."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@ Margins are fixed and text is measured beforehand: matplotlib's own layout draws
 measure them, which takes longer than the simulation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import chain, product
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What each spring took from its motor: torque over joint angle, and the spring's line."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How all figures look: fonts that can be read in print, thin axes, text that stays text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from threading import RLock

@@ -1,7 +1,5 @@
 """Numbers at the axes: written in full, as many as there is room for."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 import numpy as np

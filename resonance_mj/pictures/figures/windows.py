@@ -1,7 +1,5 @@
 """A time axis that shows only where something happens, and breaks in between."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

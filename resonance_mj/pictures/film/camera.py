@@ -1,7 +1,5 @@
 """Where the motion is looked at from: a camera of the model, or a free one that frames it."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

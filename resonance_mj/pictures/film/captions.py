@@ -1,7 +1,5 @@
 """Words in the picture: the line above the scene, and what the overlays mean at its foot."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path

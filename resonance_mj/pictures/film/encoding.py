@@ -1,7 +1,5 @@
 """Frames become a file, one after the other, by the ffmpeg that comes with imageio-ffmpeg."""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator

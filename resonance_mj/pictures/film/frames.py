@@ -1,7 +1,5 @@
 """One run's part of the picture: the arm with its overlays, the line above and the plots below."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

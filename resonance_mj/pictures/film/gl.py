@@ -1,7 +1,5 @@
 """The OpenGL that pictures are drawn with where there is no display, and what to install."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """How a video looks: size, camera, background and what is drawn into it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ...errors import PictureError

@@ -3,8 +3,6 @@
 Each is a tube, which is a skin of the model: its vertices and colour are rewritten every frame.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 A frame takes what lies before the cursor from one drawing and what lies behind it from the other.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

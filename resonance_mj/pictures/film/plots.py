@@ -1,7 +1,5 @@
 """The plots below the scene: torque² per cycle and stiffness over time, drawn once for a video."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

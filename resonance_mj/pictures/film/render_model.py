@@ -1,7 +1,5 @@
 """The arm as pictures show it: its model in its surroundings, its pose, the camera."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import mujoco

@@ -1,7 +1,5 @@
 """The model as it is filmed: a copy with light, a floor, room for the picture and for overlays."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 

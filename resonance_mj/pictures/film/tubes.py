@@ -1,7 +1,5 @@
 """Curves as tubes: the vertices and faces of the skins that the overlays of a picture are."""
 
-from __future__ import annotations
-
 import numpy as np
 
 SIDES = 8

@@ -1,7 +1,5 @@
 """A run becomes a video: processes draw its frames, and they are encoded in order."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import subprocess

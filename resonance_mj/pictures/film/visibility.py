@@ -1,7 +1,5 @@
 """An arm of which a picture would show nothing is shown all the same."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """What a report says: of each run, and of several beside each other."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime

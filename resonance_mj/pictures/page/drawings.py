@@ -1,7 +1,5 @@
 """Figures as parts of a page: drawn once, for every screen, and their names are their own."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """The film of a report: where something happens, at a length that is watched to its end."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The page itself: a template filled, with style, script, film and figures inside it."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,7 +1,5 @@
 """A run becomes a report: one HTML file that opens from disk, without a network."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path

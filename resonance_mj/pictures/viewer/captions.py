@@ -1,7 +1,5 @@
 """The lines of a video as images for the window: the one above, and what the overlays mean."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

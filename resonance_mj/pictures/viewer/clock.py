@@ -1,7 +1,5 @@
 """Which second of a run is shown at which second of the wall's clock, and the keys that set it."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Overlays as decoration of the window's scene, which casts no shadow on the arm."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Whether there is a display to open a window on, and what to do where there is none."""
 
-from __future__ import annotations
-
 import os
 import sys
 import warnings

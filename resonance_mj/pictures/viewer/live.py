@@ -1,7 +1,5 @@
 """An experiment that is simulated while it is watched, in step with the clock."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import mujoco

@@ -1,7 +1,5 @@
 """A simulation as frame data: what is planned, and a cycle that fills up while it goes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A saved run, shown again in its own time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ...results.run import Run

@@ -1,7 +1,5 @@
 """A saved run, or an experiment as it is simulated, in MuJoCo's viewer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ...errors import PictureError
