@@ -1,5 +1,7 @@
 """`resonance-mj` and `python -m resonance_mj.cli`: a process that ends with its command."""
 
+from __future__ import annotations
+
 import gc
 import signal
 import sys
