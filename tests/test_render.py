@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -329,8 +330,11 @@ def test_what_draws_nothing_asks_for_no_opengl():
 @pytest.mark.opengl
 def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
     line = [sys.executable, "-m", "resonance_mj.cli", "render", str(folder), "--fps", "100"]
+    aside = tmp_path / "aside"
+    aside.mkdir()
     process = subprocess.Popen(
         [*line, "-o", str(tmp_path / "o.mp4")],
+        env=os.environ | {"TMPDIR": str(aside)},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         start_new_session=True,
@@ -338,12 +342,12 @@ def test_an_interrupt_leaves_no_video_and_no_process(folder, tmp_path):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     until = time.monotonic() + 60
-    while not list(tmp_path.iterdir()) and time.monotonic() < until:
+    while not list(aside.glob("*/video.mp4")) and time.monotonic() < until:
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
     assert b"ended by SIGINT" in process.communicate(timeout=60)[1]
     assert process.returncode == 130
-    assert list(tmp_path.iterdir()) == []
+    assert (list(tmp_path.iterdir()), list(aside.iterdir())) == ([aside], [])
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
 
@@ -354,14 +358,32 @@ def test_a_full_disk_is_said_and_leaves_nothing(run, tmp_path, monkeypatch):
     # The file is written in a folder of its own first: there it is a device that has no room.
     made = files.tempfile.mkdtemp
 
-    def full(**options):
-        folder = made(**options)
+    def full(suffix=None, prefix=None, dir=None):
+        folder = made(suffix, prefix, dir)
         Path(folder, "o.mp4").symlink_to("/dev/full")
         return folder
 
     monkeypatch.setattr(files.tempfile, "mkdtemp", full)
     with pytest.raises(OutputError, match=r"o\.mp4: cannot be written: .*[Nn]o space left"):
         rmj.render(run, tmp_path / "o.mp4", 0.0, 0.3, 10.0, options=rmj.RenderOptions(size=SMALL))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.opengl
+@pytest.mark.parametrize("suffix", [".mp4", ".gif", ".webp"])
+def test_a_temporary_folder_without_room_is_said_and_leaves_nothing(folder, tmp_path, suffix):
+    """The files that ffmpeg writes are cut off at 2 kB: the rest of the program writes none."""
+    video = tmp_path / f"o{suffix}"
+    line = [sys.executable, "-m", "resonance_mj.cli", "render", str(folder), "-o", str(video)]
+    line += ["--to", "0.3", "--size", "320x180"]
+    done = subprocess.run(
+        line,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000)),
+    )
+    assert done.returncode == 2
+    assert re.fullmatch(r"resonance-mj: .*cannot be written: ffmpeg stopped .*\n", done.stderr)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,25 +1,36 @@
-"""Frames become a file, one after the other, by the ffmpeg that comes with imageio-ffmpeg."""
+"""Frames become a file, one after the other, by the ffmpeg of imageio-ffmpeg."""
 
-import subprocess
+import shutil
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 from ...errors import OutputError, PictureError
 from ...files import replacing
 
-H264 = (
-    *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
-    *("-movflags", "+faststart"),
-)
-GIF = (
-    "-filter_complex",
-    "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer",
-    *("-loop", "0"),
-)
-WEBP = ("-c:v", "libwebp_anim", "-quality", "75", "-compression_level", "2", "-loop", "0")
-FORMATS = {".mp4": H264, ".gif": GIF, ".webp": WEBP}
+
+class Format(NamedTuple):
+    """How ffmpeg is asked to encode."""
+
+    codec: str
+    pixels: str
+    options: tuple[str, ...]
+
+
+PALETTE = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer"
+FORMATS = {
+    ".mp4": Format(
+        "libx264",
+        "yuv420p",
+        ("-preset", "veryfast", "-crf", "20", "-movflags", "+faststart"),
+    ),
+    ".gif": Format("gif", "pal8", ("-filter_complex", PALETTE, "-loop", "0")),
+    ".webp": Format(
+        "libwebp_anim", "bgra", ("-quality", "75", "-compression_level", "2", "-loop", "0")
+    ),
+}
 
 
 def check(path: Path, transparent: bool) -> None:
@@ -53,60 +64,70 @@ def encoder(
     """
     import imageio_ffmpeg
 
-    # A process of our own: imageio's writer drops what ffmpeg says and the status it ends with, so
-    # that a disk that is full near the end would be a success.
-    command = [
-        *(imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y"),
-        *("-f", "rawvideo", "-pix_fmt", "rgb24" if channels == 3 else "rgba"),
-        *("-s", f"{size[0]}x{size[1]}", "-r", f"{fps:g}", "-i", "pipe:0"),
-        *FORMATS[path.suffix.lower()],
-    ]
-    with replacing(path) as beside, tempfile.TemporaryFile() as errors:
-        # A session of its own: an interrupt reaches this process, which then stops ffmpeg.
-        process = subprocess.Popen(
-            [*command, str(beside)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=errors,
-            start_new_session=True,
+    suffix, sent = path.suffix.lower(), 0
+    codec, pixels, options = FORMATS[suffix]
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder, f"video{suffix}")
+        writer = imageio_ffmpeg.write_frames(
+            str(made),
+            size,
+            fps=fps,
+            codec=codec,
+            pix_fmt_in="rgb24" if channels == 3 else "rgba",
+            pix_fmt_out=pixels,
+            quality=None,
+            macro_block_size=1,
+            ffmpeg_log_level="quiet",
+            output_params=list(options),
         )
-        assert process.stdin is not None
-        try:
-            yield process.stdin.write
-            process.stdin.close()
-            status = process.wait()
-        except BrokenPipeError:
-            status = process.wait()
-        finally:
-            process.kill()
-            process.wait()
-            with suppress(BrokenPipeError):
-                process.stdin.close()
-        if status:
-            errors.seek(0)
-            said = errors.read().decode(errors="replace").strip().splitlines()
-            reason = said[0].rpartition("] ")[2] if said else f"ffmpeg ended with status {status}"
-            raise OutputError(f"{path}: cannot be written: {reason}")
+
+        def encode(frame: memoryview) -> None:
+            nonlocal sent
+            try:
+                writer.send(frame)
+            except OSError:
+                raise _unfinished(path, made, sent) from None
+            sent += 1
+
+        with closing(writer):
+            writer.send(None)
+            yield encode
+        # imageio-ffmpeg does not tell how ffmpeg ended: what it has made tells.
+        there = _frames(made)
+        if not there or (there != sent and suffix != ".webp"):
+            raise _unfinished(path, made, sent)
+        with replacing(path) as beside:
+            shutil.copyfile(made, beside)
 
 
-def still(path: Path, seconds: float) -> bytes:
+def still(path: Path, frame: int) -> bytes:
     """A frame of a video as a JPEG file's bytes: what stands for the video before it plays.
 
     Args:
         path: the video.
-        seconds: which of its frames: the one that is shown at this time.
-
-    Raises:
-        PictureError: there is no frame at this time.
+        frame: its number, from 0.
     """
+    import imageio.v3 as iio
+
+    picture = iio.imread(path, index=frame, plugin="FFMPEG")
+    return iio.imwrite("<bytes>", picture, extension=".jpg", quality=90)
+
+
+def _frames(video: Path) -> int:
+    """How many frames a video has, of .webp how many different ones in a row; 0 of no video."""
+    import imageio.v3 as iio
     import imageio_ffmpeg
 
-    command = [
-        *(imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error"),
-        *("-ss", f"{seconds:.3f}", "-i", str(path), "-frames:v", "1"),
-        *("-f", "image2pipe", "-c:v", "mjpeg", "-q:v", "4", "pipe:1"),
-    ]
-    picture = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True).stdout
-    if not picture:
-        raise PictureError(f"{path}: has no frame at {seconds:g} s")
-    return picture
+    try:
+        if video.suffix == ".mp4":
+            return imageio_ffmpeg.count_frames_and_secs(str(video))[0]
+        return sum(1 for _ in iio.imiter(video, plugin="pillow"))
+    except (OSError, RuntimeError):
+        return 0
+
+
+def _unfinished(path: Path, made: Path, sent: int) -> OutputError:
+    return OutputError(
+        f"{path}: cannot be written: ffmpeg stopped after {sent} frames in the temporary folder "
+        f"{made.parent.parent}: make room there, or set TMPDIR to another folder"
+    )

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import PictureError
-from ...files import could_be_written
+from ...files import could_be_replaced
 from ...results.run import Run
 from ...text import cut, listed, one_line
 from . import encoding, frame_data, gl, plots, render_model
@@ -137,7 +137,7 @@ def film(
             f"{len(labels)} labels, {listed(labels)}, for {len(runs)} runs: give one for each"
         )
     encoding.check(path, options.background == "transparent")
-    could_be_written(path.parent)
+    could_be_replaced(path)
     if path.suffix.lower() == ".mp4":
         options = _even(options, note)
     names = (cut(one_line(name), 40) for name in labels or (one.experiment.name for one in runs))

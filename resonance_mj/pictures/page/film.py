@@ -97,5 +97,5 @@ def shoot(planned: Film, progress: video.Progress | None = None) -> Film:
             progress=progress,
         )
         # Near the end: the springs have been found, and the strip below is drawn.
-        poster = encoding.still(path, 0.9 * (len(planned.times) - 1) / FPS)
+        poster = encoding.still(path, round(0.9 * (len(planned.times) - 1)))
         return replace(planned, mp4=path.read_bytes(), poster=poster)
