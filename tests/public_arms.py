@@ -139,7 +139,7 @@ def outcome(run: rmj.Run) -> Outcome:
 
 
 SIGNS = {
-    "comes near a singular pose": "singular",
+    "comes near a singular pose: the": "singular",
     "beyond its range": "range",
     " touch ": "touches",
     "even with the best springs": "motor",

@@ -1,5 +1,6 @@
 """The gains of a law on a robot: given by hand, or found from its inertia and the time step."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,7 @@ class Gains:
         feedback: G of the feedback -G y, or -G Δq̇ in joint space (n, n) [N m s/rad].
         feedback_p: G_p of the feedback -G_p s(Δq) in joint space (n, n) [N m/rad].
         omega: bandwidth ω of the inertial feedback [1/s].
+        inertia: M̂ of it, at home or where the motions are (n, n) [kg m^2].
         alpha: weight of the position error in (8) [1/s].
         alpha_0: weight of the posture's error in its null space [1/s].
         learning: what is learned from y (n, n) [N m s/rad].
@@ -46,6 +48,7 @@ class Gains:
     feedback: np.ndarray
     feedback_p: np.ndarray
     omega: float
+    inertia: np.ndarray
     alpha: float
     alpha_0: float
     learning: np.ndarray
@@ -54,15 +57,24 @@ class Gains:
     torque_limit: np.ndarray
 
 
-def gains(experiment: Experiment, kinematics: Kinematics) -> Gains:
+def gains(
+    experiment: Experiment, kinematics: Kinematics, middles: Sequence[np.ndarray] = ()
+) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
     Without K_v and K_p the feedback is -(ω M̂ + D) y with M̂ = M(q_home) and D the joints' own
     damping, so that one number serves every robot: a motor that drives a damped joint needs D q̇
     beside M q̈. Without β the law learns η times the feedback torque itself.
+
+    Args:
+        experiment: gives law, time step and motions.
+        kinematics: of the robot.
+        middles: joint angles (n,) in the middle of the motions, where those are not about home; M̂
+            is the mean of M there.
     """
     law, robot = experiment.law, kinematics.robot
     n, m = robot.n, robot.m
+    M = np.mean([kinematics.inertia(q) for q in middles], axis=0) if middles else robot.inertia
     dt = experiment.simulation.timestep
     by_hand = law.k_v is not None or law.k_p is not None
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
@@ -71,7 +83,7 @@ def gains(experiment: Experiment, kinematics: Kinematics) -> Gains:
     rate = min(max(POSITION, own), fastest)
     alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
-    inertial = omega * robot.inertia + np.diag(_damping(robot, dt) + _dry_friction(robot, dt))
+    inertial = omega * M + np.diag(_damping(robot, M, dt) + _dry_friction(robot, M, dt))
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))
     if law.follows_joints:
@@ -93,6 +105,7 @@ def gains(experiment: Experiment, kinematics: Kinematics) -> Gains:
         feedback=feedback,
         feedback_p=feedback_p,
         omega=omega,
+        inertia=M,
         alpha=alpha,
         alpha_0=rate if law.alpha_0 is None else law.alpha_0,
         learning=learning,
@@ -102,24 +115,24 @@ def gains(experiment: Experiment, kinematics: Kinematics) -> Gains:
     )
 
 
-def _damping(robot: Robot, dt: float) -> np.ndarray:
+def _damping(robot: Robot, M: np.ndarray, dt: float) -> np.ndarray:
     """Gain (n,) [N m s/rad] that damped joints have beside the inertial one: their damping D.
 
     Half of it where D is far above M/dt. There a joint keeps no speed from a step to the next, and
     a gain of D would take back in each step what the one before has done.
     """
-    D, kept = robot.damping, np.diag(robot.inertia)
+    D, kept = robot.damping, np.diag(M)
     return D * (kept + 0.5 * dt * D) / (kept + dt * D)
 
 
-def _dry_friction(robot: Robot, dt: float) -> np.ndarray:
+def _dry_friction(robot: Robot, M: np.ndarray, dt: float) -> np.ndarray:
     """Gain (n,) [N m s/rad] that joints with dry friction have besides: it over 1 rad/s.
 
     At most what a joint that has broken loose bears when sampled: a quarter of the inertia that it
     feels alone, over dt.
     """
     friction = robot.model.dof_frictionloss[robot.dof_address]
-    return np.minimum(friction, 0.25 / dt / np.diag(np.linalg.inv(robot.inertia)))
+    return np.minimum(friction, 0.25 / dt / np.diag(np.linalg.inv(M)))
 
 
 def gravity_rate(kinematics: Kinematics) -> float:

@@ -1,5 +1,7 @@
 """The size of a motion that gives none: the largest that the arm follows with margin."""
 
+from itertools import product
+
 import numpy as np
 
 from ..errors import MotionError
@@ -13,6 +15,7 @@ from ..springs.optimum import best_springs
 from ..text import length
 from . import motion as motions
 from .kinematics import TOLERANCE, JointMotion, Kinematics
+from .singular import jerk
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
@@ -26,6 +29,9 @@ TRIES = 20
 POINTS = 48
 """Points of the cycle at which the arm is looked at."""
 
+FINE = 20
+"""How many times more where a size seems to fit: near a singular pose a joint moves suddenly."""
+
 GLANCE = 4
 """Every so many of them are looked at first, which most sizes that are too large do not pass."""
 
@@ -35,8 +41,8 @@ CONDITIONING = 0.5
 LIMITS = 0.05
 """Least distance to a joint's limits, as a share of its range."""
 
-ASIDE = 0.1
-"""How far from home another center is looked for first, as a share of the reach."""
+ASIDE = (0.1, 0.2, 0.3, 0.4)
+"""How far from home another center is looked for, as shares of the reach."""
 
 ROOMY = 0.1
 """Least ratio of J's singular values at such a center."""
@@ -46,6 +52,10 @@ CLEARANCE = 0.01
 
 MOTORS = 0.7
 """Most that the motors need with the best springs, as a share of their limits."""
+
+
+REACHED = 1e3 * TOLERANCE
+"""Distance below which the tool is where it should be [m]."""
 
 
 class NoRoomError(MotionError):
@@ -127,8 +137,6 @@ def sized(
         return motion
     robot = kinematics.robot
     size = SHARE * reach(robot)
-    # So coarse a cycle would overshoot with a posture that returns within a step.
-    alpha_0 = min(alpha_0, 0.5 * POINTS / motion.period)
     middle = _middle(motion, kinematics, name)
     reason = ""
     for _ in range(TRIES):
@@ -145,6 +153,22 @@ def sized(
     )
 
 
+def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
+    """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach.
+
+    Args:
+        experiment: with its motions filled in.
+        kinematics: of the robot.
+    """
+    robot, found = kinematics.robot, []
+    for motion in experiment.motion:
+        x = motions.sample(motion, POINTS, robot).x.mean(axis=0)
+        q = kinematics.solve(x, robot.home)
+        reached = np.linalg.norm(kinematics.position(q) - x) < REACHED
+        found.append(q if reached else robot.home)
+    return found
+
+
 def _beside(
     motion: Motion,
     kinematics: Kinematics,
@@ -159,9 +183,10 @@ def _beside(
         NoRoomError: the given one, if none does.
     """
     robot = kinematics.robot
-    center, step = np.array(motion.center), ASIDE * reach(robot)
-    axes = np.concatenate([np.eye(len(center)), -np.eye(len(center))])
-    for away in (*step * axes, *2 * step * axes):
+    center = np.array(motion.center)
+    ways = np.array(sorted(product((0, 1, -1), repeat=len(center)), key=np.count_nonzero)[1:])
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    for away in np.concatenate([share * reach(robot) * ways for share in ASIDE]):
         candidate = motion.model_copy(update={"center": tuple((center + away).tolist())})
         try:
             middle = _middle(candidate, kinematics, name)
@@ -181,7 +206,7 @@ def _middle(motion: Motion, kinematics: Kinematics, name: str) -> np.ndarray:
     x = motions.sample(point, 1, kinematics.robot).x[0]
     q = kinematics.solve(x, kinematics.robot.home)
     away = float(np.linalg.norm(kinematics.position(q) - x))
-    if away > 1e3 * TOLERANCE:
+    if away > REACHED:
         raise MotionError(
             f"{name}: center = {list(motion.center or ())}: out of the arm's reach: the tool comes "
             f"no nearer than {away * 1e3:.1f} mm; at home it is where center is if not given"
@@ -198,22 +223,31 @@ def _obstacle(
     bounds: Springs | None,
 ) -> str:
     """Why the arm cannot follow a motion with margin; empty if it can."""
-    home = kinematics.robot.home
-    samples, q = motions.sample(motion, POINTS, kinematics.robot), home
+    robot, home = kinematics.robot, kinematics.robot.home
+    samples, q = motions.sample(motion, POINTS, robot), home
     for x in samples.x[::GLANCE]:
         q = kinematics.solve(x, q, iterations=30)
         reason = _lacks_margin(q[None], middle, kinematics)
         if reason:
             return reason
-    try:
-        followed = kinematics.follow(samples, home, motion.period, name, alpha_0)
-    except MotionError as error:
-        return str(error).removeprefix(f"{name}: ")
-    return (
-        _lacks_margin(followed.q, middle, kinematics)
-        or _touches(followed.q, middle, kinematics.robot)
-        or _too_heavy(followed, kinematics, motion.period, bounds)
-    )
+    for points in (POINTS, FINE * POINTS):
+        samples = motions.sample(motion, points, robot)
+        # So coarse a cycle would overshoot with a posture that returns within a step.
+        rate = min(alpha_0, 0.5 * points / motion.period)
+        try:
+            followed = kinematics.follow(samples, home, motion.period, name, rate)
+        except MotionError as error:
+            return str(error).removeprefix(f"{name}: ")
+        sudden = jerk(kinematics, followed)
+        reason = (
+            _lacks_margin(followed.q, middle, kinematics)
+            or (f"it comes near a singular pose: {sudden.said(robot.joints)}" if sudden else "")
+            or _touches(followed.q, middle, robot)
+            or _too_heavy(followed, kinematics, motion.period, bounds)
+        )
+        if reason:
+            return reason
+    return ""
 
 
 def _touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:

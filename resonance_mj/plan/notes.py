@@ -8,20 +8,12 @@ from ..experiments.experiment import Experiment
 from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
+from ..motions.singular import POSES, jerk
 from ..robots.robot import Robot
 from ..robots.touching import PASSING, touching
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum
 from ..text import joined, percent
-
-NEAR_SINGULAR = 0.05
-"""Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
-
-SUDDEN = 5.0
-"""Ratio of a joint's peak to RMS acceleration from which a nearly singular pose is a hindrance."""
-
-POSES = 40
-"""Poses along a cycle at which gains and singular values are looked at."""
 
 ANALYSED = ("learning", "fixed", "paper", "transfer")
 """Laws whose learning is from the task-space y of (8): what `divergence` predicts."""
@@ -41,17 +33,11 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
     said = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         name = f"motion.{index}"
-        J = [kinematics.jacobian(q) for q in _poses(joints)]
-        values = np.linalg.svd(J, compute_uv=False)
-        nearest = float((values[:, -1] / values[:, 0]).min())
-        peak, usual = np.abs(joints.ddq).max(axis=0), np.sqrt((joints.ddq**2).mean(axis=0))
-        j = int(np.argmax(peak - SUDDEN * usual))
-        if nearest < NEAR_SINGULAR and peak[j] > SUDDEN * usual[j]:
+        sudden = jerk(kinematics, joints)
+        if sudden:
             said.append(
-                f"{name} comes near a singular pose: the smallest singular value of J falls to "
-                f"{nearest:.1e} of its largest, and the acceleration of "
-                f"{kinematics.robot.joints[j]} peaks at {peak[j] / usual[j]:.2g} times its RMS: "
-                "give another center, size or home"
+                f"{name} comes near a singular pose: {sudden.said(kinematics.robot.joints)}: give "
+                "another center, size or home"
             )
         said += _beyond_ranges(name, kinematics.robot, joints)
         said += _touching(name, kinematics.robot, joints)
@@ -142,7 +128,7 @@ def _unstable_feedback(
     limit, D = 2.0 / dt, np.diag(kinematics.robot.damping)
     implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
     # Of G what law.omega does not scale.
-    constant = 0 * D if k_v is not None else gains.feedback - gains.omega * kinematics.robot.inertia
+    constant = 0 * D if k_v is not None else gains.feedback - gains.omega * gains.inertia
     J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
     M = np.array([kinematics.inertia(q) for q in _poses(joints)]) + implicit * D
     scaled = J.swapaxes(1, 2) @ (gains.k_v[:, None] * J) + gains.feedback - constant

@@ -269,6 +269,9 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     with heard() as warned:
         chosen = gains(experiment, unloaded)
         experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
+        middles = default_motion.middles(experiment, unloaded)
+        if not all(np.array_equal(q, robot.home) for q in middles):
+            chosen = gains(experiment, unloaded, middles)
     robot = replace(robot, notes=tuple(said))
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:

@@ -1,0 +1,45 @@
+"""Nearly singular poses along a joint motion, and whether they hinder it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .kinematics import JointMotion, Kinematics
+
+NEAR_SINGULAR = 0.05
+"""Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
+
+SUDDEN = 5.0
+"""Ratio of a joint's peak to RMS acceleration from which a nearly singular pose is a hindrance."""
+
+POSES = 40
+"""Poses along a cycle at which singular values are looked at."""
+
+
+class Jerk(NamedTuple):
+    """A joint that moves suddenly near a singular pose."""
+
+    ratio: float
+    """Of J's singular values, the smallest to the largest, where it is least."""
+    joint: int
+    peak: float
+    """Of its acceleration, as a multiple of its RMS."""
+
+    def said(self, joints: tuple[str, ...]) -> str:
+        """In words, given the joints' names."""
+        return (
+            f"the smallest singular value of J falls to {self.ratio:.1e} of its largest, and the "
+            f"acceleration of {joints[self.joint]} peaks at {self.peak:.2g} times its RMS"
+        )
+
+
+def jerk(kinematics: Kinematics, joints: JointMotion) -> Jerk | None:
+    """The joint whose acceleration stands out most near a singular pose; None if none does."""
+    poses = joints.q[:: max(1, len(joints.q) // POSES)]
+    values = np.linalg.svd([kinematics.jacobian(q) for q in poses], compute_uv=False)
+    ratio = float((values[:, -1] / values[:, 0]).min())
+    peak, usual = np.abs(joints.ddq).max(axis=0), np.sqrt((joints.ddq**2).mean(axis=0))
+    j = int(np.argmax(peak - SUDDEN * usual))
+    if ratio >= NEAR_SINGULAR or peak[j] <= SUDDEN * usual[j]:
+        return None
+    return Jerk(ratio, j, float(peak[j] / usual[j]))
