@@ -9,11 +9,11 @@ from .kinematics import JointMotion, Kinematics
 NEAR_SINGULAR = 0.05
 """Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
 
-SUDDEN = 5.0
+SUDDEN = 10.0
 """Ratio of a joint's peak to RMS acceleration from which a nearly singular pose is a hindrance."""
 
-POSES = 40
-"""Poses along a cycle at which singular values are looked at."""
+POSES = 500
+"""Poses along a cycle at which singular values are looked at: an arm may pass one in no time."""
 
 
 class Jerk(NamedTuple):

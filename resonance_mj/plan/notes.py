@@ -8,7 +8,7 @@ from ..experiments.experiment import Experiment
 from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
-from ..motions.singular import POSES, jerk
+from ..motions.singular import jerk
 from ..robots.robot import Robot
 from ..robots.touching import PASSING, touching
 from ..springs.fit import LinearSprings
@@ -17,6 +17,9 @@ from ..text import joined, percent
 
 ANALYSED = ("learning", "fixed", "paper", "transfer")
 """Laws whose learning is from the task-space y of (8): what `divergence` predicts."""
+
+POSES = 40
+"""Poses along a cycle at which gains and contacts are looked at."""
 
 WORTHWHILE = 0.05
 """Multiple of a learning gain from which it is worth saying that it would not diverge."""
@@ -113,7 +116,8 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
         f"and its motor gives {limits[j, side]:g}"
         + (f", {peaks[j, side] / limits[j, side]:.1f} times less" if limits[j, side] > 0 else "")
         + ": slow the motion down or make it smaller"
-        for j, side in np.argwhere(peaks > np.maximum(limits, 0.0))
+        for j, side in enumerate((peaks - limits).argmax(axis=1))
+        if peaks[j, side] > max(limits[j, side], 0.0)
     ]
 
 
