@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from two_link import first_motion, inverse_kinematics, jacobian, joint_motion
+from two_link import first_motion, inertia, inverse_kinematics, jacobian, joint_motion
 
 import resonance_mj as rmj
 from resonance_mj.experiments.law_section import KINDS
@@ -134,6 +134,19 @@ def test_joint_space_gains_are_at_home_what_those_of_the_task_are():
     q_d, dq_d, _ = joint_motion(*first_motion(np.arange(len(q)) / STEPS))
     expected = -(dq - dq_d) @ found.feedback.T - np.sin(q - q_d) @ found.feedback_p.T
     np.testing.assert_allclose(tau, expected, atol=1e-6)
+
+
+def test_feedback_is_the_inertia_where_the_motion_is_times_its_bandwidth():
+    """The arm is folded at home and nearly stretched along the motion, where it is heavier."""
+    motion = {"center": [-0.45, -0.1], "size": [0.02, 0.02]}
+    changes = {"robot.home": [4.0, -2.7], "motion": [motion]}
+    plan = plan_for(for_robot("two_link.xml").replace(changes))
+    M = inertia(plan.joints[0].q.mean(axis=0))
+    assert M[0, 0] > 1.5 * inertia(plan.robot.home)[0, 0]
+    np.testing.assert_allclose(plan.gains.inertia, M, rtol=0.01)
+    damping = plan.gains.feedback - plan.gains.omega * plan.gains.inertia
+    np.testing.assert_allclose(damping, np.diag(np.diag(damping)), atol=1e-12)
+    assert (np.diag(damping) > 0).all()
 
 
 def test_joint_space_law_adapts_the_stiffness_alone():

@@ -206,3 +206,13 @@ def test_a_motion_where_joints_are_free_has_the_optimum_of_the_motion_made_if_it
     assert lost.motions[0].torque_squared_optimal == pytest.approx(
         lost.plan.optima[0].torque_squared
     )
+
+
+def test_a_nearly_singular_home_gets_a_motion_beside_it_that_comes_to_the_optimum():
+    """Wrist and base axes nearly line up: the pose there could only be held."""
+    home = [1.586, -0.1718, -1.019, 0.0379, 0.6595, -1.5781, -0.597]
+    given = {"robot.home": home, "task.coordinates": ["x", "y", "z", "rotation"]}
+    run = rmj.simulate(for_robot("seven_joint.xml").replace(given))
+    assert any("its center is" in note for note in run.plan.notes)
+    assert (run.status, run.motions[0].verdict) == (Status.OK, "at optimum")
+    assert run.motions[0].tracking_rms[-1] < 1.5e-3

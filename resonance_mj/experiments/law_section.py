@@ -38,7 +38,8 @@ class Law(Section):
     and under RK4 and difference else if not given."""
     k_v: Gains | None = None
     """Velocity feedback K_v [N s/m], one for all coordinates or one each; if neither k_v nor k_p is
-    given, it is -(omega M + D) y with the inertia M at home and the joints' damping D."""
+    given, it is -(omega M + D) y with the inertia M in the middle of the motion and the joints'
+    damping D."""
     k_p: Gains | None = None
     """Position feedback K_p [N/m], one for all coordinates or one each."""
     omega: Gain | None = None

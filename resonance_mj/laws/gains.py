@@ -62,7 +62,7 @@ def gains(
 ) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
-    Without K_v and K_p the feedback is -(ω M̂ + D) y with M̂ = M(q_home) and D the joints' own
+    Without K_v and K_p the feedback is -(ω M̂ + D) y with M̂ as in Args and D the joints' own
     damping, so that one number serves every robot: a motor that drives a damped joint needs D q̇
     beside M q̈. Without β the law learns η times the feedback torque itself.
 
@@ -70,7 +70,7 @@ def gains(
         experiment: gives law, time step and motions.
         kinematics: of the robot.
         middles: joint angles (n,) in the middle of the motions, where those are not about home; M̂
-            is the mean of M there.
+            is the mean of M there, and else M(q_home).
     """
     law, robot = experiment.law, kinematics.robot
     n, m = robot.n, robot.m
