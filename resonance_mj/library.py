@@ -17,7 +17,8 @@ def folder(name: str) -> Path:
 
 def experiments() -> dict[str, Path]:
     """Built-in experiments: name -> TOML file, in alphabetical order."""
-    return {path.stem: path for path in sorted(folder("runs").glob("*.toml"))}
+    files = folder("runs").glob("*.toml")
+    return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
 
 
 def robots() -> dict[str, Path]:

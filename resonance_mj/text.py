@@ -12,6 +12,10 @@ MINUS, NARROW, NOTHING = "−", "\u202f", "–"
 """A real minus sign, the space between a number and its unit, and a number that there is not."""
 
 
+class Caution(str):
+    """A note that lets one expect trouble, of which users are warned."""
+
+
 def shown(value: Any, longest: int = 60) -> str:
     """A value as a message shows it: lists as in a file, with their length where they are cut."""
     if hasattr(value, "tolist"):

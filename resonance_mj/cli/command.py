@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import sys
+import textwrap
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..text import Caution
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -41,18 +45,73 @@ def flag(name: str, meaning: str) -> Argument:
     return argument(name, meaning, action="store_true")
 
 
+QUIET = flag("--quiet", "print nothing but what goes wrong")
+JSON = flag("--json", "print the figures as JSON and nothing else")
+
+
 def command(
-    *arguments: Argument, keys: bool = False, more: str = ""
+    *arguments: Argument, keys: bool = False, figures: bool = False, more: str = ""
 ) -> Callable[[Callable[[Namespace], int | None]], Command]:
-    """Make a command of a function of its options; see `Command`."""
-    return lambda execute: Command(execute, arguments, keys, more)
+    """Make a command of a function of its options; see `Command`.
+
+    Args:
+        arguments: what it takes besides --quiet.
+        keys: whether it takes the keys of an experiment.
+        figures: whether it prints a table, and takes --json.
+        more: what its help says below the options.
+    """
+    every = (*arguments, *([JSON] if figures else []), QUIET)
+    return lambda execute: Command(execute, every, keys, more)
 
 
-def console() -> Console:
-    """Where tables and progress go."""
-    from rich.console import Console
+class Screen:
+    """Where a command's tables, notes and progress go: nowhere with --quiet or --json.
 
-    return Console(markup=False, highlight=False)
+    Args:
+        options: of the command.
+
+    Attributes:
+        console: what they are printed on.
+    """
+
+    def __init__(self, options: Namespace) -> None:
+        from rich.console import Console
+
+        self._json = getattr(options, "json", False)
+        quiet = self._json or getattr(options, "quiet", False)
+        self.console = Console(markup=False, highlight=False, quiet=quiet)
+
+    def table(self, data: Any, *tables: Any) -> None:
+        """Print tables, or with --json the same figures as data."""
+        if self._json:
+            from ..results.run import finite
+
+            print(json.dumps(finite(_plain(data)), indent=2, ensure_ascii=False))
+        for table in tables:
+            self.console.print(table)
+
+    def line(self, text: object) -> None:
+        """Print a line, which the terminal wraps."""
+        self.console.print(str(text), soft_wrap=True)
+
+    def note(self, text: str) -> None:
+        """Print a note or a warning, at the width of the terminal if it is one."""
+        warns = isinstance(text, Caution)
+        line = f"  {'warning' if warns else 'note'}: {text}"
+        if self.console.is_terminal:
+            line = textwrap.fill(line, self.console.width, subsequent_indent="    ")
+        self.console.print(line, soft_wrap=True, style="yellow" if warns else None)
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold of arrays, tuples and paths."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return value if isinstance(value, str | int | float | None) else str(value)
 
 
 def complain(line: str) -> None:

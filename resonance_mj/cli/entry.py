@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import NoReturn
 
 from ..errors import ExperimentError, ResonanceError
-from ..text import cut, one_line
+from ..text import cut, nearest, one_line
 from . import experiment_commands, keys_as_options, library_commands, run_commands
 from .command import BAD_INPUT, DONE, ENDED_BY_SIGNAL, complain
 
@@ -27,6 +27,7 @@ COMMANDS = {
     "list": library_commands.list_,
     "keys": library_commands.keys,
     "version": library_commands.version,
+    "completion": library_commands.completion,
 }
 
 
@@ -42,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if any("\0" in argument for argument in arguments):
             raise ExperimentError("an argument has a NUL byte, which no name or value has")
         changes, rest = keys_as_options.split(arguments)
-        options = _parser().parse_args(rest)
+        options = _options(rest)
         options.changes = changes
         if changes and not options.command.takes_keys:
             key = next(iter(changes))
@@ -67,6 +68,28 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BAD_INPUT
 
 
+def _options(arguments: list[str]) -> argparse.Namespace:
+    """The options that arguments ask for.
+
+    Raises:
+        ExperimentError: one of them is none; it names the nearest that is.
+    """
+    name = arguments[0] if arguments else "--help"
+    if not name.startswith("-") and name not in COMMANDS:
+        raise ExperimentError(
+            f"COMMAND {cut(name)!r} is unknown{nearest(name, COMMANDS)}; there are "
+            f"{', '.join(COMMANDS)}"
+        )
+    options, unknown = parser().parse_known_args(arguments or [name])
+    if unknown:
+        known = [one for names, _ in options.command.arguments for one in names]
+        given = cut(unknown[0].partition("=")[0])
+        raise ExperimentError(
+            f"{name} does not take {given}{nearest(given, known)}; see resonance-mj {name} --help"
+        )
+    return options
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
 
@@ -74,12 +97,24 @@ class _Parser(argparse.ArgumentParser):
         raise ExperimentError(f"{message}; see {self.prog} --help")
 
 
-def _parser() -> _Parser:
+class _Version(argparse.Action):
+    """Prints the program's version, which is looked up only then."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('resonance-mj')}")
+        parser.exit()
+
+
+def parser() -> _Parser:
+    """What is known of commands and their arguments, but for the keys of an experiment."""
     parser = _Parser(
         prog="resonance-mj",
         description="Tune a robot's joint springs to its motion, in MuJoCo.",
         allow_abbrev=False,
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="the program's version")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for name, command in COMMANDS.items():
         what = command.execute.__doc__ or ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +13,13 @@ from ..errors import ExperimentError
 from ..files import could_be_written
 from ..pictures.figures.catalogue import DRAFT
 from . import keys_as_options, run_commands
-from .command import DONE, NOT_WELL, argument, bar, command, complain, console, flag
+from .command import DONE, NOT_WELL, Screen, argument, bar, command, complain, flag
 from .keys_as_options import EXPERIMENT, ROBOT
 
 if TYPE_CHECKING:
+    from rich.console import Group
+    from rich.table import Table
+
     from ..evaluation.checks.check import Judgement
 
 
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     flag("--certify", "check on the run what the stability proof claims"),
     flag("--strict", "refuse what will diverge, instead of a warning"),
     keys=True,
+    figures=True,
 )
 def run(options: Namespace) -> int:
     """Simulate an experiment and write its run."""
@@ -34,44 +39,56 @@ def run(options: Namespace) -> int:
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / experiment.name)
-    screen = console()
+    screen = Screen(options)
     name, total = experiment.name, sum(motion.cycles for motion in experiment.motion)
-    with bar(f"{name}: preparing the law", "cycles", screen, total, then=name) as show:
+    with bar(f"{name}: preparing the law", "cycles", screen.console, total, then=name) as show:
         run = rmj.simulate(
             experiment,
             interpret=options.interpret,
             strict=options.strict,
             progress=show,
-            note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+            note=screen.note,
         )
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
-    screen.print(tables.summary(run))
+    figures = run.summary()
+    shown: list[Group | Table] = [tables.summary(run)]
     if run.data.sizes["time"]:
         written += [path.name for path in rmj.plot(run, folder, figures=["overview"], dpi=DRAFT)]
     if options.certify:
-        written += run_commands.certified(run, folder, screen)
+        found, names = run_commands.certified(run, folder)
+        figures["certificates"] = run_commands.certificates(found)
+        shown.append(tables.certificates(found))
+        written += names
+    screen.table(figures, *shown)
     if run.data.attrs["thinned"]:
         kept = len(set(run.data["cycle_of_sample"].values.tolist()))
-        screen.print(
+        screen.line(
             f"Samples of {kept} of {run.data.sizes['cycle']} cycles were kept "
             f"(simulation.samples = {experiment.simulation.samples})."
         )
-    screen.print(f"{folder}: {', '.join(written)}", soft_wrap=True)
+    screen.line(f"{folder}: {', '.join(written)}")
     if run.status is rmj.Status.OK:
         return DONE
     complain(f"{name}: {run.status}: {run.message}")
     return NOT_WELL
 
 
-@command(EXPERIMENT, ROBOT, keys=True)
+@command(EXPERIMENT, ROBOT, keys=True, figures=True)
 def optimum(options: Namespace) -> None:
     """The best constant springs of an experiment."""
     experiment = keys_as_options.experiment(options)
     from ..plan.plan import plan_for
     from . import tables
 
-    console().print(tables.optimum(plan_for(experiment)))
+    plan = plan_for(experiment)
+    figures = ("stiffness", "offset", "equilibrium", "center", "cost", "cost_without_springs")
+    motions = [
+        {name: getattr(best, name) for name in (*figures, "torque_reduction")}
+        for best in plan.optima
+    ]
+    found = {"name": experiment.name, "joints": plan.robot.joints, "motions": motions}
+    Screen(options).table(found, tables.optimum(plan))
 
 
 @command(
@@ -81,6 +98,7 @@ def optimum(options: Namespace) -> None:
         "--home", "a keyframe, or joint angles as in --home=0.5,-1 [rad]", metavar="KEY|ANGLES"
     ),
     flag("--toml", "print an experiment file for it and nothing else"),
+    figures=True,
 )
 def inspect(options: Namespace) -> None:
     """What is found in an arm, and a motion and gains for it."""
@@ -98,16 +116,18 @@ def inspect(options: Namespace) -> None:
     if options.toml:
         print(found.to_toml(), end="")
         return
-    screen = console()
+    screen, printed = Screen(options), []
     for kind, slides in (("hinge", False), ("slide", True)):
         joints = [joint for joint in found.joints if joint.slides == slides]
         if joints:
-            screen.print(arm_tables.joints(f"{found.experiment.name}: {kind} joints", joints))
-            screen.print(arm_tables.effort(f"{kind} joints along the suggested motion", joints))
-    screen.print(arm_tables.tools(found))
-    screen.print(arm_tables.suggestion(found))
+            printed += [
+                arm_tables.joints(f"{found.experiment.name}: {kind} joints", joints),
+                arm_tables.effort(f"{kind} joints along the suggested motion", joints),
+            ]
+    data = asdict(found) | {"experiment": found.experiment.model_dump()}
+    screen.table(data, *printed, arm_tables.tools(found), arm_tables.suggestion(found))
     for note in found.notes:
-        screen.print(f"  {note}", soft_wrap=True)
+        screen.note(note)
 
 
 @command(
@@ -122,6 +142,7 @@ def inspect(options: Namespace) -> None:
     ),
     argument("--out", "where to write; runs/NAME-compare", metavar="FOLDER", type=Path),
     keys=True,
+    figures=True,
 )
 def compare(options: Namespace) -> None:
     """The laws that users compare, on one experiment."""
@@ -131,16 +152,15 @@ def compare(options: Namespace) -> None:
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
-    screen = console()
-    with bar(f"{experiment.name}: all laws", "cycles", screen) as show:
+    screen = Screen(options)
+    with bar(f"{experiment.name}: all laws", "cycles", screen.console) as show:
         found = rmj.compare(experiment, long=options.long, progress=show)
     found.save(folder)
     save(comparison_figure.figure(found), folder, "compare")
-    screen.print(tables.comparison(found))
-    screen.print(
+    screen.table(found.rows(), tables.comparison(found))
+    screen.line(
         f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "
-        f"{', '.join(found.runs)}",
-        soft_wrap=True,
+        f"{', '.join(found.runs)}"
     )
 
 
@@ -154,6 +174,7 @@ def compare(options: Namespace) -> None:
     ),
     flag("--update", "rewrite the numbers expected in the files with those found"),
     keys=True,
+    figures=True,
 )
 def check(options: Namespace) -> int:
     """Hold runs against what their experiments expect."""
@@ -170,21 +191,32 @@ def check(options: Namespace) -> int:
     from ..evaluation.checks.check import judge
     from . import tables
 
-    screen = console()
-    with bar("experiments", "cycles", screen) as show:
+    screen = Screen(options)
+    with bar("experiments", "cycles", screen.console) as show:
         runs = rmj.simulate_many(experiments, progress=show)
     judgements = [judge(run) for run in runs]
-    for run, found in zip(runs, judgements, strict=True):
-        screen.print(tables.judgements(run, found))
+    data = [
+        {"run": run.experiment.name, **_judged(one)}
+        for run, found in zip(runs, judgements, strict=True)
+        for one in found
+    ]
+    screen.table(data, *map(tables.judgements, runs, judgements))
     if options.update:
         return _update(files, runs, judgements)
     for run, found in zip(runs, judgements, strict=True):
         if text := convergence.report(run, found):
-            screen.print(text, soft_wrap=True)
+            screen.line(text)
     missed = sum(not one.passed for found in judgements for one in found)
     total = sum(map(len, judgements))
-    screen.print(f"{missed or 'none'} of {total} expectations missed in {len(runs)} run(s)")
+    screen.line(f"{missed or 'none'} of {total} expectations missed in {len(runs)} run(s)")
     return NOT_WELL if missed else DONE
+
+
+def _judged(one: Judgement) -> dict[str, Any]:
+    """A judgement as data."""
+    figures = ("key", "motion", "figure", "joint", "unit", "found", "passed")
+    band = {"expected": one.band.expected, "low": one.band.low, "high": one.band.high}
+    return {name: getattr(one, name) for name in figures} | band
 
 
 def _update(files: list[Path], runs: list[rmj.Run], judgements: list[list[Judgement]]) -> int:

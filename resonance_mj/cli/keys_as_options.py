@@ -17,7 +17,7 @@ HELP = (
 )
 
 EXPERIMENT = argument(
-    "experiment", "a built-in name, or a TOML file", metavar="NAME|PATH", nargs="?"
+    "experiment", "a built-in name, a TOML file, or an arm", metavar="NAME|PATH", nargs="?"
 )
 ROBOT = argument(
     "--robot", "an arm, in place of the experiment's or with none given", metavar="MJCF"
@@ -30,7 +30,8 @@ def experiment(options: Namespace) -> rmj.Experiment:
 
     if options.experiment is None and options.robot is None:
         raise ExperimentError(
-            "give the NAME or PATH of an experiment, or --robot MJCF; `resonance-mj list` has names"
+            "give the NAME or PATH of an experiment or an arm, or --robot MJCF; "
+            "`resonance-mj list` has names"
         )
     if options.experiment is None:
         return for_robot(options.robot).replace(options.changes)

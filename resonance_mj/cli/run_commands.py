@@ -15,10 +15,10 @@ from ..files import writable
 from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
 from ..pictures.viewer.clock import KEYS_HELP
 from . import keys_as_options
-from .command import DONE, NOT_WELL, Argument, argument, bar, command, complain, console, flag
+from .command import DONE, NOT_WELL, Argument, Screen, argument, bar, command, complain, flag
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from ..evaluation.certificates.certificates import Certificates
 
 PARTS = {
     "path": "the desired path",
@@ -91,32 +91,45 @@ def plot(options: Namespace) -> None:
         width=options.width,
         dpi=options.dpi,
     )
+    screen = Screen(options)
     for path in written:
-        print(path)
+        screen.line(path)
 
 
 @command(
     argument("run", "a run's folder, such as runs/paper", metavar="RUN", type=Path),
     argument("--out", "where to draw; the run's folder", metavar="FOLDER", type=Path),
+    figures=True,
 )
 def certify(options: Namespace) -> None:
     """Check on a saved run what the stability proof claims."""
-    run, screen = rmj.Run.load(options.run), console()
+    from . import tables
+
+    run, screen = rmj.Run.load(options.run), Screen(options)
     folder = writable(options.out or options.run)
-    for name in certified(run, folder, screen):
-        screen.print(folder / name, soft_wrap=True)
+    found, names = certified(run, folder)
+    screen.table(certificates(found), tables.certificates(found))
+    for name in names:
+        screen.line(folder / name)
 
 
-def certified(run: rmj.Run, folder: Path, screen: Console) -> list[str]:
-    """Print and draw a run's certificates; the names of the files that were written."""
+def certified(run: rmj.Run, folder: Path) -> tuple[Certificates, list[str]]:
+    """Find and draw a run's certificates; with the names of the files that were written."""
     from ..pictures.figures import certificate_figure
     from ..pictures.figures.plot import save
-    from . import tables
 
     found = rmj.certify(run)
     drawn = save(certificate_figure.figure(found), folder, "certificates")
-    screen.print(tables.certificates(found))
-    return [path.name for path in drawn]
+    return found, [path.name for path in drawn]
+
+
+def certificates(found: Certificates) -> list[dict[str, Any]]:
+    """Certificates as data."""
+    figures = ("motion", "holds", "worst", "where", "note", "cycles", "values")
+    return [
+        item.claim._asdict() | {name: getattr(item, name) for name in figures}
+        for item in found.items
+    ]
 
 
 @command(
@@ -138,8 +151,8 @@ def render(options: Namespace) -> None:
     if labels is None and len({run.experiment.name for run in runs}) < len(runs):
         labels = [folder.resolve().name for folder in options.runs]
     path = options.output or options.runs[0] / "motion.mp4"
-    screen = console()
-    with bar(path.name, "frames", screen) as show:
+    screen = Screen(options)
+    with bar(path.name, "frames", screen.console) as show:
         written = rmj.render(
             runs,
             path,
@@ -151,9 +164,9 @@ def render(options: Namespace) -> None:
             labels=labels,
             workers=options.workers,
             progress=show,
-            note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+            note=screen.note,
         )
-    screen.print(str(written), soft_wrap=True)
+    screen.line(written)
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -184,7 +197,7 @@ def view(options: Namespace) -> int:
     # Windows are GLFW's, whatever pictures are drawn with; MuJoCo reads this when it is imported.
     os.environ["MUJOCO_GL"] = "glfw"
     what = _what(options)
-    screen = console()
+    screen = Screen(options)
     failed = []
 
     def ended(run: rmj.Run) -> None:
@@ -199,7 +212,7 @@ def view(options: Namespace) -> int:
         stop=options.stop,
         once=options.once,
         options=_chosen(options),
-        note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+        note=screen.note,
         ended=ended,
     )
     return NOT_WELL if failed else DONE
@@ -240,8 +253,8 @@ def _is_run(given: str | None) -> bool:
 )
 def report(options: Namespace) -> None:
     """Write a run, or several beside each other, as one page to read and to send."""
-    screen = console()
-    with bar("report", "pictures", screen) as show:
+    screen = Screen(options)
+    with bar("report", "pictures", screen.console) as show:
         written = rmj.report(
             options.runs,
             options.output,
@@ -249,6 +262,6 @@ def report(options: Namespace) -> None:
             title=options.title,
             labels=options.labels,
             progress=show,
-            note=lambda line: screen.print(f"  {line}", soft_wrap=True),
+            note=screen.note,
         )
-    screen.print(f"{written}: {written.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+    screen.line(f"{written}: {written.stat().st_size / 1e6:.1f} MB")

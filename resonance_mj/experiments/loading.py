@@ -14,17 +14,23 @@ from .law_section import KINDS
 from .model_objects import as_file
 from .validation import NESTED, validated
 
+ARMS = (".xml", ".urdf", ".mjz", ".zip", ".mjb")
+"""Endings of the files of arms."""
 
-def load(name: str | os.PathLike[str]) -> Experiment:
-    """Read an experiment.
+
+def load(name: Any) -> Experiment:
+    """Read an experiment, or make one for an arm with everything else found.
 
     Args:
-        name: name of a built-in experiment, or path of a TOML file.
+        name: name of a built-in experiment, path of a TOML file; or of an arm, as for `for_robot`.
 
     Raises:
         ExperimentError: there is no such experiment, the file is not TOML, or a value in it is
             not valid.
     """
+    arm = not isinstance(name, str | os.PathLike)
+    if arm or str(name).startswith("menagerie:") or Path(name).suffix.lower() in ARMS:
+        return for_robot(name)
     path = find(name)
     needed = f"give a TOML file or one of {listed(library.experiments())}"
     try:
@@ -51,9 +57,16 @@ def for_robot(mjcf: Any) -> Experiment:
     """An experiment for an arm, with everything else found.
 
     Args:
-        mjcf: path, name in mjcf/, MjSpec or MjModel; the experiment takes its name from it.
+        mjcf: path, name in mjcf/, menagerie:NAME, MjSpec or MjModel; the experiment takes its name
+            from it.
+
+    Raises:
+        ExperimentError: it is none of these.
     """
     mjcf = as_file(mjcf)
+    if not isinstance(mjcf, str | os.PathLike):
+        raise ExperimentError(f"{shown(mjcf)} is no arm: give a path, an MjSpec or an MjModel")
+    mjcf = os.fspath(mjcf)
     path = Path(mjcf)
     stem = path.parent.name if path.stem in ("robot", "scene", "model") else path.stem
     name = "".join(

@@ -13,7 +13,7 @@ from ..robots.robot import Robot
 from ..robots.touching import PASSING, touching
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum
-from ..text import joined, percent
+from ..text import Caution, joined, percent
 
 ANALYSED = ("learning", "fixed", "paper", "transfer")
 """Laws whose learning is from the task-space y of (8): what `divergence` predicts."""
@@ -45,7 +45,7 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
         said += _beyond_ranges(name, kinematics.robot, joints)
         said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
-    return said
+    return list(map(Caution, said))
 
 
 def held(robot: Robot, springs: LinearSprings | None) -> list[str]:
@@ -77,7 +77,7 @@ def unstable(
         said += _unstable_feedback(name, experiment, loaded[index], gains, joints)
         if why:
             said.append(_diverging(name, experiment, gains, why, motion.cycles, motion.period))
-    return said
+    return list(map(Caution, said))
 
 
 def _poses(joints: JointMotion) -> np.ndarray:

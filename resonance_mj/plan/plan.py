@@ -24,6 +24,7 @@ from ..robots.robot import Robot, build
 from ..robots.warned import heard
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
+from ..text import Caution
 from . import notes
 from .holding import holding
 from .inputs import Input, gather
@@ -111,8 +112,9 @@ class Plan:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """What was found, changed or is doubtful, a line each."""
-        return tuple(dict.fromkeys((*self._heard(self._look), *self._warned)))
+        """What is doubtful, a `Caution` each, and then what was found or changed, a line each."""
+        lines = dict.fromkeys((*self._heard(self._look), *self._warned))
+        return tuple(sorted(lines, key=lambda line: not isinstance(line, Caution)))
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
@@ -228,7 +230,7 @@ class Plan:
         )
         before = notes.before(self.loaded, self.joints, self.optima)
         held = notes.held(self.robot, self.holding)
-        return (*self.robot.notes, *given, *before, *held, *self.unstable)
+        return (*self.unstable, *before, *map(Caution, given), *self.robot.notes, *held)
 
     def _follow(self) -> list[JointMotion]:
         experiment, start, found = self.experiment, self.robot.home, []

@@ -8,6 +8,8 @@ from typing import Any
 
 import mujoco
 
+from ..text import Caution
+
 _lock = threading.Lock()
 _users = 0
 _before: Any = None
@@ -74,4 +76,4 @@ def _install(users: int) -> None:
 
 def _note(text: str) -> str:
     """A warning as a note: in one line, without the time at which it was given."""
-    return f"MuJoCo warns: {re.sub(r' Time = .+$', '', ' '.join(text.split()))}"
+    return Caution(f"MuJoCo warns: {re.sub(r' Time = .+$', '', ' '.join(text.split()))}")

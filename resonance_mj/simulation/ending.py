@@ -9,10 +9,14 @@ from ..results.metrics import TRACKING
 from ..results.motions import MotionOfRun
 from ..robots.touching import PASSING, touching
 from ..status import Status
-from ..text import angle, joined, length, percent
+from ..text import Caution, angle, joined, length, percent
 
 LOOKED_AT = 250
 """Samples of a cycle at which it is seen what touches."""
+
+GROWN, FLOOR = 2.0, 0.01
+"""How many times its least an error is that grows, and the share of what tracks below which none
+does."""
 
 MOST = 3
 """Hindrances that a message names."""
@@ -62,7 +66,7 @@ def ending(
     for index, held in hindered.items():
         motion, name = motions[index], f"motion {index + 1}"
         bearing = [one for one in held if one.bears]
-        notes += [f"in the last cycle of {name} {one.what}" for one in held]
+        notes += [Caution(f"in the last cycle of {name} {one.what}") for one in held]
         if not motion.tracks[-1]:
             lost.append(_lost(plan, index, motion, held))
         elif bearing:
@@ -70,6 +74,8 @@ def ending(
                 f"in the last cycle of {name} {named(bearing)}, and the "
                 f"springs bear on that too; try {bearing[0].cure}"
             )
+        elif growth := _growth(motion, GROWN):
+            notes.append(Caution(f"the RMS error of {name} has {growth}: learning may diverge"))
     status = Status.NOT_TRACKING if lost else Status.IN_CONTACT if touched else Status.OK
     return Ending(status, "; ".join(lost or touched), tuple(notes))
 
@@ -95,9 +101,8 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
     else:
         miss = f"{length(errors[-1])} and {angle(rotation[-1])}"
     law, falls = plan.experiment.law, len(errors) > 1 and errors[-1] < 0.9 * errors[-2]
-    lowest = int(np.argmin(errors))
-    if len(errors) > 1 and errors[-1] > 1.2 * errors[lowest]:
-        miss += f", grown from {length(errors[lowest])} in its cycle {lowest + 1}"
+    if growth := _growth(motion, 1.2):
+        miss += f", {growth}"
     cures = list(dict.fromkeys(one.cure for one in held))
     if not cures and law.kind == "feedback":
         cures = ['law.kind = "transfer", which learns']
@@ -112,6 +117,16 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
         f"the tool does not follow motion {index + 1}: in its last cycle the RMS error is {miss}"
         f"{why}; try {' or '.join(cures)}{plan.robot.hint}"
     )
+
+
+def _growth(motion: MotionOfRun, factor: float) -> str:
+    """From where the tracking error has grown so many times; empty if it has not."""
+    errors = motion.tracking_rms
+    lowest = int(np.argmin(errors))
+    floor = max(errors[lowest], FLOOR * TRACKING * motion.size)
+    if errors[-1] <= factor * floor:
+        return ""
+    return f"grown from {length(errors[lowest])} in its cycle {lowest + 1}"
 
 
 def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
