@@ -3,13 +3,20 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-robots test-sensitivity mutation check format benchmark gallery clean
+.PHONY: paper test test-oldest test-robots test-sensitivity mutation check format benchmark gallery clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
+	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, ten seconds"
 	$(BIN)/resonance-mj run paper
 
 test: $(VENV)/installed-dev   ## run the tests
 	$(BIN)/python -m pytest
+
+test-oldest:   ## the tests with the oldest versions that pyproject.toml allows, in .venv-oldest
+	$(PYTHON) -m venv .venv-oldest
+	.venv-oldest/bin/python -m pip install --quiet --disable-pip-version-check uv
+	.venv-oldest/bin/uv pip install --quiet --python .venv-oldest --resolution lowest-direct --editable ".[dev]"
+	.venv-oldest/bin/python -m pytest
 
 test-robots: $(VENV)/installed-dev   ## public arms, downloaded once (1.2 GB), and the tables of docs/robots.md
 	$(BIN)/python -m pytest -m robots --dist load
@@ -39,15 +46,17 @@ gallery: $(VENV)/installed   ## film the README's looping picture again
 	$(BIN)/resonance-mj render runs/seven-joint -o docs/motion.webp --from 1c --to 8c --speed 2 --fps 15 --size 880x495
 
 clean:
-	rm -rf build $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	rm -rf build $(VENV) .venv-oldest .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/installed: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
-	touch $@
+	@echo "Installing resonance-mj and what it needs into $(VENV): 0.8 GB, a minute or two without a cache"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
 
 $(VENV)/installed-dev: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
-	touch $@ $(VENV)/installed
+	@echo "Installing resonance-mj, what it needs and what tests it into $(VENV): 1.2 GB, two or three minutes"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	@touch $@ $(VENV)/installed
