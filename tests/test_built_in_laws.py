@@ -229,3 +229,16 @@ def test_an_unknown_law_is_refused_with_those_there_are(kind):
     assert "\n" not in message
     assert [name for name in KINDS if name not in message] == []
     assert "law.kind" in message
+
+
+def test_the_printed_law_adapts_on_an_arm_whose_user_gives_no_gains():
+    """With the paper's arm's inertia its gains are about the paper's, 50 and 5, 150 and 10."""
+    arm = for_robot("two_link.xml").replace({"law.kind": "paper"})
+    plan = plan_for(arm)
+    mass = np.diag(inertia(plan.robot.home))
+    np.testing.assert_allclose(plan.experiment.law.gamma_k, 200 * mass, rtol=1e-9)
+    np.testing.assert_allclose(plan.experiment.law.gamma_qe, 500 * mass, rtol=1e-9)
+    assert any("law.gamma_k = [" in note for note in plan.notes)
+    given = plan_for(arm.replace({"law.gamma_k": 0.0}))
+    assert given.experiment.law.gamma_qe == given.experiment.law.gamma_k == 0.0
+    assert (np.abs(np.ptp(rmj.simulate(arm).data["stiffness"].values, axis=0)) > 0).all()

@@ -125,7 +125,7 @@ def parser() -> _Parser:
             epilog=command.more + keys_as_options.HELP if command.takes_keys else None,
             allow_abbrev=False,
         )
-        each.set_defaults(command=command)
+        each.set_defaults(command=command, program=parser)
         for names, settings in command.arguments:
             each.add_argument(*names, **settings)
     return parser

@@ -65,6 +65,4 @@ def completion(options: Namespace) -> None:
     """A script that completes commands and options in a shell; it says where to put it."""
     import shtab
 
-    from .entry import parser
-
-    print(shtab.complete(parser(), options.shell))
+    print(shtab.complete(options.program, options.shell))

@@ -13,6 +13,7 @@ import xarray as xr
 from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..files import replacing, writable
+from ..laws.gains import adaptation
 from ..results import metrics
 from ..results.motions import MotionOfRun
 from ..results.run import Run, Status, finite
@@ -29,9 +30,6 @@ OF_SUMMARY = ("torque_reduction", "torque_reduction_optimal", "cycles_to_optimum
 """What a row has of a run's summary."""
 
 Changes = dict[str, Any]
-
-STIFFNESS_RATE, OFFSET_RATE = 200.0, 500.0
-"""Γ_k and Γ_qe per inertia [1/(rad² s²), 1/s²], where none are given: the paper's on its arm."""
 
 BETA = 10.0
 """Learning gain of the transfer for K_v of the paper's size [N m s/rad]."""
@@ -82,12 +80,11 @@ def contending(experiment: Experiment) -> list[tuple[Contender, Experiment]]:
     """
     law, found = experiment.law, []
     adapts = np.any(law.gamma_k) or np.any(law.gamma_qe)
-    inertia = np.zeros(0) if adapts else np.diag(build(experiment).inertia)
+    rates = {} if adapts else adaptation(build(experiment))
     for one in CONTENDERS:
         changes = dict(one.changes)
         if changes["law.kind"] in ("paper", "joint-space") and not adapts:
-            changes["law.gamma_k"] = (STIFFNESS_RATE * inertia).tolist()
-            changes["law.gamma_qe"] = (OFFSET_RATE * inertia).tolist()
+            changes |= {f"law.{name}": gamma.tolist() for name, gamma in rates.items()}
         if changes["law.kind"] == "transfer":
             changes["law.beta"] = None if law.k_v is None else BETA
             if law.kind == "transfer":

@@ -69,7 +69,9 @@ def _reasons(
             yield "law.gamma_k", f"{kind} does not adapt the springs' stiffness"
     if not law.printed:
         yield "law.q_s", f"{kind} learns without (9), (10)"
-    centred = np.any(law.gamma_k) or (adapts and np.any(law.gamma_qe))
+    rates = {"gamma_k", "gamma_qe"} if law.kind == "paper" else {"gamma_k"}
+    found = law.printed and not rates & law.model_fields_set
+    centred = found or np.any(law.gamma_k) or (adapts and np.any(law.gamma_qe))
     if law.kind == "joint-space":
         centred = centred or np.any(springs.initial_stiffness)
     if not own and not (centred and (adapts or law.printed)):

@@ -55,9 +55,11 @@ class Law(Section):
     eta: Gain = 0.5
     """Share of the feedback's torque that is learned in a cycle, where beta is not given."""
     gamma_k: Gains = 0.0
-    """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each."""
+    """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each; for the
+    printed laws 200 times the joints' inertia at home if neither gain is given."""
     gamma_qe: Gains = 0.0
-    """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each."""
+    """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each; for the
+    printed law 500 times the joints' inertia at home if neither gain is given."""
     q_c: Literal["mean", "running"] | Angles = "mean"
     """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion;
     "running", for the paper's law, the mean of each cycle as it ends, and home before."""

@@ -20,6 +20,10 @@ HARMONICS = 20
 """Harmonics of 1/T that the learned torque keeps, where the cycle has as many."""
 
 
+STIFFNESS_RATE, OFFSET_RATE = 200.0, 500.0
+"""Γ_k and Γ_qe per inertia [1/(rad² s²), 1/s²], where none are given: the paper's on its arm."""
+
+
 @dataclass(frozen=True)
 class Gains:
     """The law's gains as one robot has them.
@@ -113,6 +117,12 @@ def gains(
         harmonics=harmonics,
         torque_limit=robot.torque_limit,
     )
+
+
+def adaptation(robot: Robot) -> dict[str, np.ndarray]:
+    """Γ_k [N m/rad^3] and Γ_qe [N m/rad] of (6), (7), (n,) each, where a user gives none."""
+    inertia = np.diag(robot.inertia)
+    return {"gamma_k": STIFFNESS_RATE * inertia, "gamma_qe": OFFSET_RATE * inertia}
 
 
 def _damping(robot: Robot, M: np.ndarray, dt: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from ..errors import StabilityError
 from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
 from ..laws import laws
-from ..laws.gains import Gains, gains
+from ..laws.gains import Gains, adaptation, gains
 from ..laws.laws import Law
 from ..laws.memory import Layout, layout_of
 from ..motions import default_motion
@@ -24,7 +24,7 @@ from ..robots.robot import Robot, build
 from ..robots.warned import heard
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
-from ..text import Caution
+from ..text import Caution, shown
 from . import notes
 from .holding import holding
 from .inputs import Input, gather
@@ -268,6 +268,7 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
     said = list(robot.notes)
+    experiment = _adapting(experiment, law, robot, said)
     with heard() as warned:
         chosen = gains(experiment, unloaded)
         experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
@@ -289,6 +290,27 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
         _followed={} if followed is None else followed,
         _warned=warned,
     )
+
+
+def _adapting(experiment: Experiment, law: Law, robot: Robot, notes: list[str]) -> Experiment:
+    """The experiment with adaptation gains for a law as printed that is given none.
+
+    Args:
+        experiment: as it was given.
+        law: of it.
+        robot: of it.
+        notes: get a line of the gains.
+    """
+    given = experiment.law.model_fields_set
+    if not experiment.law.printed or given & set(law.adapts):
+        return experiment
+    rates = {name: gamma for name, gamma in adaptation(robot).items() if name in law.adapts}
+    known = " and ".join(
+        f"law.{name} = {shown([float(f'{value:.3g}') for value in gamma])}"
+        for name, gamma in rates.items()
+    )
+    notes.append(f"{known}, from the joints' inertia at home")
+    return experiment.replace({f"law.{name}": gamma.tolist() for name, gamma in rates.items()})
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:
