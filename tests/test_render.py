@@ -449,3 +449,23 @@ def test_the_first_sample_of_a_motion_belongs_to_it_however_its_time_is_rounded(
     assert shown.best[begins] == shown.best[-1]
     assert np.isnan(shown.reduction[shown.cycle == 11]).all()
     assert (shown.reduction[shown.cycle == 12] == run.data["torque_reduction"].values[10]).all()
+
+
+def test_overlays_are_measured_by_the_stiffest_spring_and_by_the_torque_without_springs():
+    """What springs carry, motors do not: with the best springs their arrows are short."""
+    run = rmj.simulate(rmj.load("seven-joint"))
+    ends = [
+        frame_data.times((run,), *frame_data.span(run, c, c), 0.01, True) for c in ("1c", "20c")
+    ]
+    first, last = (frame_data.of_run(run, times, "") for times in ends)
+    for shown in (first, last):
+        scale = frame_data.scale([shown])
+        assert np.ptp(scale.stiffness) == np.ptp(scale.torque) == 0.0
+        together = np.abs(shown.tau + shown.spring()).max()
+        assert 0.7 * together < scale.torque[0] <= together * (1 + 1e-6)
+    arrows = [np.abs(shown.tau / frame_data.scale([shown]).torque).max() for shown in (first, last)]
+    assert arrows[0] > 0.9
+    assert arrows[1] < 0.25
+    thin = last.stiffness[-1] / frame_data.scale([last]).stiffness
+    assert np.isclose(thin.max(), 1.0, rtol=0.01)
+    assert thin[-1] < 1e-3

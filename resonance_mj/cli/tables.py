@@ -59,7 +59,14 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     for motion in motions:
         drawn.add_column(f"motion {motion.number}", justify="right")
         drawn.add_column("optimum", justify="right", style="dim")
-    found = [motion.summary() for motion in motions]
+    found = [
+        motion.summary()
+        | {
+            "equilibrium": motion.equilibrium[-1].tolist() if len(motion.cycles) else None,
+            "equilibrium_optimal": motion.equilibrium_optimal.tolist(),
+        }
+        for motion in motions
+    ]
 
     def row(label: str, key: str, scale: float, digits: int, joint: int | None = None) -> None:
         cells = []
@@ -78,7 +85,7 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     row("mean torque² [N² m²]", "torque_squared", 1, 2)
     row("  without springs", "torque_squared_without_springs", 1, 2)
     names, slides = run.data["joint"].values, run.data["slides"].values
-    for place, figure in enumerate(("stiffness", "offset")):
+    for place, figure in enumerate(("stiffness", "offset", "equilibrium")):
         for j, name in enumerate(names):
             unit = (SLIDE if slides[j] else HINGE)[place]
             row(f"{figure} {name} [{unit}]", figure, 1, 3, j)

@@ -76,10 +76,10 @@ class Legend:
             items.append(((MEASURED,), "tool"))
         if options.springs:
             ramp = (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
-            items.append((ramp, "spring torque −, 0, +; thick: stiff, dashed: k < 0"))
+            items.append((ramp, "spring torque −, 0, +; thick: the stiffest, dashed: k < 0"))
             items.append(((options.ink,), "equilibrium"))
         if options.motors:
-            items.append(((MOTOR,), "motor torque"))
+            items.append(((MOTOR,), "motor torque; 3/4 turn: the most without springs"))
         if not options.legend:
             items.clear()
         size = max(8, round(options.size[1] / 52))

@@ -82,21 +82,38 @@ class FrameData:
 
 
 class Scale(NamedTuple):
-    """What full thickness, colour and length of the overlays stand for, joint by joint (n,)."""
+    """What full thickness, colour and length of the overlays stand for at each joint (n,).
+
+    It is the same for all joints that turn, and for all that slide.
+    """
 
     stiffness: np.ndarray
-    """[N m/rad]"""
-    spring: np.ndarray
-    """[N m]"""
-    tau: np.ndarray
-    """[N m]"""
+    """Of the arm's stiffest spring [N m/rad]."""
+    torque: np.ndarray
+    """The greatest that one of the motors would need without springs [N m]."""
+
+
+def scale_of(stiffness: np.ndarray, torque: np.ndarray, slides: np.ndarray) -> Scale:
+    """The scale of an arm.
+
+    Args:
+        stiffness: greatest of each joint (n,) [N m/rad].
+        torque: greatest of motor and spring together (n,) [N m].
+        slides: which joints slide (n,).
+    """
+    slide = np.asarray(slides, bool)
+
+    def greatest(of: np.ndarray) -> np.ndarray:
+        return np.where(slide, (of * slide).max(), (of * ~slide).max()) + 1e-9
+
+    return Scale(greatest(stiffness), greatest(torque))
 
 
 def scale(taken: Sequence[FrameData]) -> Scale:
-    """Each joint's greatest stiffness and torques in what is shown; a rare peak does not count."""
-    each = [(one.stiffness, one.spring(), one.tau) for one in taken]
+    """The scale of what is shown, one for all; a rare peak does not count."""
+    each = [(one.stiffness, one.tau + one.spring()) for one in taken]
     most = np.max([[np.quantile(np.abs(v), 0.98, axis=0) for v in of] for of in each], axis=0)
-    return Scale(*(most + 1e-9))
+    return scale_of(most[0], most[1], taken[0].slides)
 
 
 def scales(taken: Sequence[FrameData]) -> tuple[Scale, ...]:

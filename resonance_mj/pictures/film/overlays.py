@@ -188,7 +188,7 @@ class Overlays:
         thick = 0.09 * self.size * np.sqrt(share)
         profile = tubes.rounded if k > 0 else tubes.dashed
         radius = profile(float(thick), SPRING_RINGS)
-        shade = _shade(self._spring[j] / self._scale.spring[j])
+        shade = _shade(self._spring[j] / self._scale.torque[j])
         part = np.linspace(0.0, 1.0, SPRING_RINGS)
         if self._shown.slides[j]:
             beside = anchor + joint.outer * link
@@ -221,7 +221,7 @@ class Overlays:
     def _update_motor(
         self, j: int, joint: Joint, s: int, anchor: np.ndarray, axis: np.ndarray, link: np.ndarray
     ) -> None:
-        share = float(np.clip(self._shown.tau[s, j] / self._scale.tau[j], -1.0, 1.0))
+        share = float(np.clip(self._shown.tau[s, j] / self._scale.torque[j], -1.0, 1.0))
         if abs(share) < WEAK:
             self._hide(f"motor {j}")
             return

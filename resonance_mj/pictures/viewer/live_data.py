@@ -9,7 +9,6 @@ import numpy as np
 from ...laws.memory import Memory
 from ...plan.plan import Plan
 from ...results.metrics import reduction, tracks
-from ...springs import spring as springs
 from ..film import frame_data
 from ..film.frame_data import FrameData, Scale
 
@@ -74,9 +73,8 @@ def expected(one: Plan, segment: int) -> Scale:
         segment: which motion: its optimal springs, and the torque without any.
     """
     best = one.optima[segment]
-    spring = springs.torque(best.stiffness, best.offset, best.q, best.center)
-    parts = (best.stiffness[None], spring, best.torque_without_springs)
-    return Scale(*(np.abs(part).max(axis=0) + 1e-9 for part in parts))
+    needed = np.abs(best.torque_without_springs).max(axis=0)
+    return frame_data.scale_of(np.abs(best.stiffness), needed, one.robot.slides)
 
 
 class LiveData:
