@@ -174,6 +174,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     could_be_replaced(path)
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         with _staging(path.parent) as staging:
             yield staging / path.name
             (staging / path.name).replace(path)

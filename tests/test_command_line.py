@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 
+import imageio.v3 as iio
 import mujoco
 import numpy as np
 import pytest
@@ -140,3 +141,30 @@ def test_dir_shows_the_interface_and_help_lists_it():
     line = [sys.executable, "-c", "import resonance_mj; help(resonance_mj)"]
     text = subprocess.run(line, capture_output=True, text=True).stdout
     assert all(name in text for name in ("simulate_many(", "class Run", "optimum("))
+
+
+def test_the_schema_is_json_of_every_key(capsys):
+    found = json.loads(said(capsys, "schema")[1])
+    law = found["$defs"]["Law"]["properties"]
+    assert {"kind", "k_v", "eta", "gamma_qe"} <= set(law)
+    assert found["additionalProperties"] is False
+    assert {"robot", "task", "motion", "law", "springs", "expect"} <= set(found["properties"])
+
+
+@pytest.mark.opengl
+def test_an_arm_is_drawn_into_a_folder_that_is_made(capsys, tmp_path):
+    path = tmp_path / "new" / "arm.png"
+    status, out, _ = said(capsys, "inspect", "two_link.xml", "-o", path)
+    assert status == 0
+    assert out.splitlines()[-1] == str(path)
+    picture = iio.imread(path)
+    assert picture.shape == (720, 1280, 3)
+    red, green, blue = np.moveaxis(picture.astype(int), -1, 0)
+    assert ((red - blue > 60) & (green - blue > 30)).sum() > 500, "springs that push, in amber"
+    assert ((blue - red > 60) & (green - red > 30)).sum() > 100, "the tool's way, in blue"
+
+
+def test_a_picture_of_an_arm_in_no_known_format_is_refused(capsys, tmp_path):
+    status, _, err = said(capsys, "inspect", "two_link.xml", "-o", tmp_path / "arm.tiff")
+    assert (status, list(tmp_path.iterdir())) == (2, [])
+    assert "'.tiff'" in err

@@ -21,7 +21,7 @@ from resonance_mj.errors import OutputError
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.pictures import palette
 from resonance_mj.pictures.figures import catalogue
-from resonance_mj.pictures.film import video
+from resonance_mj.pictures.film import crew
 from resonance_mj.pictures.page import film
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -58,7 +58,7 @@ def small():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(film, "SIZES", {1: (320, 180), 2: (480, 180)})
         patch.setattr(film, "FPS", 1.0)
-        patch.setattr(video, "cores", lambda: 1)  # getting ready takes longer than so few frames
+        patch.setattr(crew, "cores", lambda: 1)  # getting ready takes longer than so few frames
         yield
 
 

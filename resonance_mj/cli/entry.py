@@ -26,6 +26,7 @@ COMMANDS = {
     "report": run_commands.report,
     "list": library_commands.list_,
     "keys": library_commands.keys,
+    "schema": library_commands.schema,
     "version": library_commands.version,
     "completion": library_commands.completion,
 }

@@ -98,12 +98,14 @@ def optimum(options: Namespace) -> None:
         "--home", "a keyframe, or joint angles as in --home=0.5,-1 [rad]", metavar="KEY|ANGLES"
     ),
     flag("--toml", "print an experiment file for it and nothing else"),
+    argument("-o --output", "draw it: .png, .jpg or .webp", metavar="FILE", type=Path),
     figures=True,
 )
 def inspect(options: Namespace) -> None:
     """What is found in an arm, and a motion and gains for it."""
     from ..evaluation.inspection import inspect
     from ..experiments.loading import for_robot
+    from ..plan.plan import plan_for
     from . import arm_tables
 
     changes: dict[str, Any] = {}
@@ -112,7 +114,8 @@ def inspect(options: Namespace) -> None:
     if options.home is not None:
         home = keys_as_options.value(options.home)
         changes["robot.home"] = [home] if isinstance(home, int | float) else home
-    found = inspect(for_robot(options.robot).replace(changes))
+    plan = plan_for(for_robot(options.robot).replace(changes))
+    found = inspect(plan)
     if options.toml:
         print(found.to_toml(), end="")
         return
@@ -128,6 +131,10 @@ def inspect(options: Namespace) -> None:
     screen.table(data, *printed, arm_tables.tools(found), arm_tables.suggestion(found))
     for note in found.notes:
         screen.note(note)
+    if options.output:
+        from ..pictures.film.arm_picture import draw_arm
+
+        screen.line(draw_arm(plan, options.output, note=screen.note))
 
 
 @command(

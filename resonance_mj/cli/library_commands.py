@@ -1,5 +1,6 @@
 """The commands about the program itself: what comes with it, and of which versions it is."""
 
+import json
 from argparse import Namespace
 
 from .. import library
@@ -49,6 +50,17 @@ def keys(options: Namespace) -> None:
         table.add_row(*row)
     names = ("key", "default", "meaning")
     Screen(options).table([dict(zip(names, row, strict=True)) for row in rows], table)
+
+
+@command()
+def schema(_: Namespace) -> None:
+    """A JSON Schema of experiment files, with which editors complete and check them."""
+    from ..experiments.experiment import Experiment
+    from ..results.run import finite
+
+    found = finite(Experiment.model_json_schema())
+    found["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    print(json.dumps(found, indent=2, allow_nan=False))
 
 
 @command(figures=True)

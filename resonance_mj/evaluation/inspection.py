@@ -114,14 +114,14 @@ class Inspection:
         return "\n".join(lines) + "\n"
 
 
-def inspect(experiment: Experiment) -> Inspection:
-    """Look at the arm of an experiment, and at its first motion.
+def inspect(planned: Experiment | Plan) -> Inspection:
+    """Look at the arm of an experiment, or of its plan, and at its first motion.
 
     Raises:
         RobotError: the robot cannot be loaded.
         MotionError: the arm cannot follow the motion.
     """
-    plan = plan_for(experiment)
+    plan = planned if isinstance(planned, Plan) else plan_for(planned)
     robot, motion, best, tool = plan.robot, plan.joints[0], plan.optima[0], plan.robot.tools[0]
     values = [np.linalg.svd(plan.kinematics.jacobian(q), compute_uv=False) for q in motion.q]
     chosen = [note for note in robot.notes if note.startswith("tool: ")]

@@ -1,11 +1,7 @@
 """A run becomes a video: processes draw its frames, and they are encoded in order."""
 
 import os
-import pickle
-import subprocess
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,8 +11,7 @@ from ...errors import PictureError
 from ...files import could_be_replaced
 from ...results.run import Run
 from ...text import cut, listed, one_line
-from . import encoding, frame_data, gl, plots, render_model
-from .drawing_process import BROKEN, READY, WRONG, Job
+from . import crew, encoding, frame_data, plots
 from .options import RenderOptions
 
 Progress = Callable[[int, int], None]
@@ -25,13 +20,6 @@ FPS = (0.1, 1000.0)
 """Least and most frames per second."""
 MOST = 1_000_000
 """Frames of a video."""
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def render(
@@ -130,8 +118,6 @@ def film(
         PictureError, OutputError, RobotError: as `render`.
     """
     path, options, note = Path(path), options or RenderOptions(), note or (lambda line: None)
-    if workers is not None and workers < 1:
-        raise PictureError(f"workers = {workers}: there must be at least 1")
     if labels and len(labels) != len(runs):
         raise PictureError(
             f"{len(labels)} labels, {listed(labels)}, for {len(runs)} runs: give one for each"
@@ -144,30 +130,15 @@ def film(
     taken = tuple(
         frame_data.of_run(one, times, name) for one, name in zip(runs, names, strict=True)
     )
-    job = Job(
-        shown=taken,
-        models=tuple(
-            render_model.prepare(
-                one, options, (right - left, options.size[1] - options.plots_height), note
-            )
-            for one, (left, right) in zip(taken, options.columns(len(taken)), strict=True)
-        ),
-        plots=plots.pictures(tuple(runs), options),
-        options=options,
-        scales=frame_data.scales(taken),
-        frames=range(len(times)),
-    )
-    pixels = bytearray(options.channels * options.size[0] * options.size[1])
-    count = min(workers or cores(), len(times))
+    below = plots.pictures(tuple(runs), options)
     with (
-        _crew(job, count) as crew,
+        crew.drawn(taken, below, options, workers, note) as frames,
         encoding.encoder(path, options.size, fps, options.channels) as encode,
     ):
-        for frame in job.frames:
-            _read(crew[frame % count], memoryview(pixels))
-            encode(memoryview(pixels))
+        for number, pixels in enumerate(frames):
+            encode(pixels)
             if progress:
-                progress(frame + 1, len(times))
+                progress(number + 1, len(times))
     return path
 
 
@@ -179,74 +150,3 @@ def _even(options: RenderOptions, note: Callable[[str], None]) -> RenderOptions:
         return options
     note(f"size {width}x{height} is drawn as {even[0]}x{even[1]}: H.264 needs even")
     return replace(options, size=even)
-
-
-@contextmanager
-def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
-    """Processes that draw every `count`-th frame each, with the first OpenGL that works."""
-    tried: dict[str, str] = {}
-    for backend in gl.backends():
-        crew = [
-            _start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)
-        ]
-        try:
-            answers = [_line(process) for process in crew]
-            if all(answer == READY for answer in answers):
-                yield crew
-                return
-            answer = next(answer for answer in answers if answer != READY)
-            kind, _, reason = answer.partition(": ")
-            if kind in (WRONG, BROKEN):
-                raise PictureError(reason)
-            tried[backend or "default"] = reason
-        finally:
-            for process in crew:
-                process.kill()
-                _close(process)
-    raise PictureError(gl.missing(tried))
-
-
-def _close(process: subprocess.Popen[bytes]) -> None:
-    for pipe in (process.stdin, process.stdout):
-        # What was not sent to a process that has ended is not missed.
-        with suppress(BrokenPipeError):
-            pipe.close()  # type: ignore[union-attr]
-    process.wait()
-
-
-def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
-    # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
-    path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}
-    environment["MUJOCO_GL"] = backend or ""
-    if count > 1:
-        # Software OpenGL has threads of its own: the processes share the cores already.
-        environment.setdefault("LP_NUM_THREADS", "1")
-    process = subprocess.Popen(
-        [sys.executable, "-P", "-m", "resonance_mj.pictures.film.drawing_process"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env=environment,
-    )
-    assert process.stdin is not None
-    # A process that has ended already says why.
-    with suppress(BrokenPipeError):
-        pickle.dump(job, process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
-        process.stdin.flush()
-    return process
-
-
-def _line(process: subprocess.Popen[bytes]) -> str:
-    assert process.stdout is not None
-    return process.stdout.readline().decode(errors="replace").strip() or "the process ended"
-
-
-def _read(process: subprocess.Popen[bytes], pixels: memoryview) -> None:
-    """Fill `pixels` with the next frame of a process."""
-    assert process.stdout is not None
-    done = 0
-    while done < len(pixels):
-        got = process.stdout.readinto(pixels[done:])  # type: ignore[attr-defined]
-        if not got:
-            raise PictureError(f"a process that draws ended with status {process.wait()}")
-        done += got

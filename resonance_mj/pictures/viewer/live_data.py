@@ -11,43 +11,13 @@ from ...plan.plan import Plan
 from ...results.metrics import reduction, tracks
 from ..film import frame_data
 from ..film.frame_data import FrameData, Scale
+from ..film.plan_data import planned
 
 OF_SAMPLES = (
     *("time", "cycle", "period", "q", "x", "x_desired", "stiffness", "offset", "center", "tau"),
     *("reduction", "best"),
 )
 """What frame data have of each sample."""
-
-
-def planned(one: Plan, cycle: int) -> FrameData:
-    """A cycle of the run, counted from 0, as it should be: the desired motion, and no torque."""
-    segment = one.schedule[cycle]
-    steps, dt = one.steps(segment), one.experiment.simulation.timestep
-    best = one.optima[segment]
-    axes = tuple("xyz".index(axis) for axis in one.robot.position_axes)
-    none = np.zeros((4, steps, one.robot.n))
-    x = one.desired(cycle).x[:, : len(axes)]
-    return FrameData(
-        label=one.experiment.name,
-        robot=one.experiment.robot,
-        joints=one.robot.joints,
-        slides=one.robot.slides,
-        axes=axes,
-        sample=np.arange(steps),
-        time=(sum(map(one.steps, one.schedule[:cycle])) + np.arange(steps)) * dt,
-        cycle=np.full(steps, cycle + 1),
-        first=np.zeros(steps, int),
-        period=np.full(steps, steps),
-        q=one.joints[segment].q.copy(),
-        x=x.copy(),
-        x_desired=x.copy(),
-        stiffness=none[0],
-        offset=none[1],
-        center=none[2],
-        tau=none[3],
-        reduction=np.full(steps, np.nan),
-        best=np.full(steps, best.torque_reduction),
-    )
 
 
 def joined(parts: Sequence[FrameData]) -> FrameData:

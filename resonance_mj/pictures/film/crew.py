@@ -1,0 +1,143 @@
+"""Processes that draw frames, each of them every so many, with the first OpenGL that works."""
+
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+
+from ...errors import PictureError
+from . import frame_data, gl, render_model
+from .drawing_process import BROKEN, READY, WRONG, Job
+from .frame_data import FrameData
+from .options import RenderOptions
+from .plot_picture import PlotPicture
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def drawn(
+    taken: tuple[FrameData, ...],
+    below: tuple[PlotPicture | None, ...],
+    options: RenderOptions,
+    workers: int | None,
+    note: Callable[[str], None],
+) -> Iterator[Iterator[memoryview]]:
+    """The pixels of each frame in order, in one buffer that is filled again.
+
+    Args:
+        taken: what is shown side by side, with as many frames each.
+        below: the plots below each.
+        options: how it looks.
+        workers: processes that draw; one per core if None.
+        note: is called with each line that the user should know.
+
+    Raises:
+        PictureError: there is no OpenGL to draw with, or no process to draw.
+        RobotError: the arm's file is missing.
+    """
+    if workers is not None and workers < 1:
+        raise PictureError(f"workers = {workers}: there must be at least 1")
+    height = options.size[1] - options.plots_height
+    sizes = ((right - left, height) for left, right in options.columns(len(taken)))
+    job = Job(
+        shown=taken,
+        models=tuple(
+            render_model.prepare(one, options, size, note)
+            for one, size in zip(taken, sizes, strict=True)
+        ),
+        plots=below,
+        options=options,
+        scales=frame_data.scales(taken),
+        frames=range(len(taken[0].sample)),
+    )
+    pixels = memoryview(bytearray(options.channels * options.size[0] * options.size[1]))
+    count = min(workers or cores(), len(job.frames))
+    with _crew(job, count) as crew:
+
+        def each() -> Iterator[memoryview]:
+            for frame in job.frames:
+                _read(crew[frame % count], pixels)
+                yield pixels
+
+        yield each()
+
+
+@contextmanager
+def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
+    """Processes that draw every `count`-th frame each, with the first OpenGL that works."""
+    tried: dict[str, str] = {}
+    for backend in gl.backends():
+        crew = [
+            _start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)
+        ]
+        try:
+            answers = [_line(process) for process in crew]
+            if all(answer == READY for answer in answers):
+                yield crew
+                return
+            answer = next(answer for answer in answers if answer != READY)
+            kind, _, reason = answer.partition(": ")
+            if kind in (WRONG, BROKEN):
+                raise PictureError(reason)
+            tried[backend or "default"] = reason
+        finally:
+            for process in crew:
+                process.kill()
+                _close(process)
+    raise PictureError(gl.missing(tried))
+
+
+def _close(process: subprocess.Popen[bytes]) -> None:
+    for pipe in (process.stdin, process.stdout):
+        # What was not sent to a process that has ended is not missed.
+        with suppress(BrokenPipeError):
+            pipe.close()  # type: ignore[union-attr]
+    process.wait()
+
+
+def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
+    # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
+    path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}
+    environment["MUJOCO_GL"] = backend or ""
+    if count > 1:
+        # Software OpenGL has threads of its own: the processes share the cores already.
+        environment.setdefault("LP_NUM_THREADS", "1")
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "resonance_mj.pictures.film.drawing_process"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment,
+    )
+    assert process.stdin is not None
+    # A process that has ended already says why.
+    with suppress(BrokenPipeError):
+        pickle.dump(job, process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+        process.stdin.flush()
+    return process
+
+
+def _line(process: subprocess.Popen[bytes]) -> str:
+    assert process.stdout is not None
+    return process.stdout.readline().decode(errors="replace").strip() or "the process ended"
+
+
+def _read(process: subprocess.Popen[bytes], pixels: memoryview) -> None:
+    """Fill `pixels` with the next frame of a process."""
+    assert process.stdout is not None
+    done = 0
+    while done < len(pixels):
+        got = process.stdout.readinto(pixels[done:])  # type: ignore[attr-defined]
+        if not got:
+            raise PictureError(f"a process that draws ended with status {process.wait()}")
+        done += got
