@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     EXPERIMENT,
     ROBOT,
     argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
+    argument("--after", "a run's folder to go on from", metavar="RUN", type=Path),
     flag("--interpret", "run the law as plain Python, for a debugger"),
     flag("--certify", "check on the run what the stability proof claims"),
     flag("--strict", "refuse what will diverge, instead of a warning"),
@@ -46,6 +47,7 @@ def run(options: Namespace) -> int:
             experiment,
             interpret=options.interpret,
             strict=options.strict,
+            after=options.after and rmj.Run.load(options.after),
             progress=show,
             note=screen.note,
         )

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ..callback.callback import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
+from ..experiments.motion_section import Motion
 from ..laws import laws
 from ..laws.gains import Gains, adaptation, gains
 from ..laws.laws import Law
@@ -35,6 +36,15 @@ Followed = dict[tuple[object, ...], list[JointMotion]]
 """Joint motions by all that they depend on."""
 
 
+class Left(NamedTuple):
+    """What an arm does before a plan begins, where it is not at rest at home."""
+
+    motion: Motion
+    """That it repeats."""
+    q: np.ndarray
+    """Its joint angles at the end of a cycle (n,) [rad]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """An experiment with all that it needs; what is not a field is found when it is first asked.
@@ -46,6 +56,7 @@ class Plan:
         loaded: of the robot with the payload of each motion.
         law: what the law does.
         gains: that it has on the robot.
+        left: what the arm did before; None if it was at rest at home.
     """
 
     experiment: Experiment
@@ -54,6 +65,7 @@ class Plan:
     loaded: list[Kinematics]
     law: Law
     gains: Gains
+    left: Left | None
     _followed: Followed = field(repr=False)
     _warned: list[str] = field(default_factory=list, repr=False)
 
@@ -154,14 +166,15 @@ class Plan:
         begun = self.blending(cycle)
         if begun is None:
             return samples
-        if segment == 0:
+        left = self.experiment.motion[segment - 1] if segment else self.left and self.left.motion
+        if left is None:
             still = np.zeros_like(samples.x)
             before = motions.Samples(
                 still + self.kinematics.position(self.robot.home), still, still
             )
         else:
             # The motion that is left goes on by the clock while the new one takes over.
-            left, length = self.experiment.motion[segment - 1], self.steps(segment - 1)
+            length = left.steps(self.experiment.simulation.timestep)
             old = motions.sample(left, length, self.robot)
             at = (begun * steps + np.arange(steps)) % length
             before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
@@ -180,7 +193,7 @@ class Plan:
             MotionError: a passage leaves the arm's reach or goes through a singular pose.
         """
         found: dict[int, JointMotion] = {}
-        start = self.robot.home
+        start = self.robot.home if self.left is None else self.left.q
         for segment, motion in enumerate(self.experiment.motion):
             first = self.schedule.index(segment)
             cycles = range(first, first + motion.blend)
@@ -229,7 +242,7 @@ class Plan:
             limited=bool(self.robot.limited.any()),
         )
         before = notes.before(self.loaded, self.joints, self.optima)
-        held = notes.held(self.robot, self.holding)
+        held = notes.held(self.robot, self.holding if self.left is None else None)
         return (*self.unstable, *before, *map(Caution, given), *self.robot.notes, *held)
 
     def _follow(self) -> list[JointMotion]:
@@ -250,12 +263,16 @@ class Plan:
         return np.broadcast_to(np.asarray(value, float), self.robot.n).copy()
 
 
-def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
+def plan_for(
+    experiment: Experiment, followed: Followed | None = None, left: Left | None = None
+) -> Plan:
     """Load the law and the robot of an experiment, and fill in what it leaves open.
 
     Args:
         experiment: what to plan.
         followed: joint motions of experiments before, taken from here and added here.
+        left: what the arm did before, if it was not at rest; the same motion goes on without a
+            passage.
 
     Raises:
         ExperimentError: a list in the experiment is not as long as the arm or the task needs.
@@ -276,6 +293,8 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
         if not all(np.array_equal(q, robot.home) for q in middles):
             chosen = gains(experiment, unloaded, middles)
     robot = replace(robot, notes=tuple(said))
+    if left is not None:
+        experiment = _without_passage(experiment, left.motion)
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:
         if motion.payload not in by_payload:
@@ -287,9 +306,20 @@ def plan_for(experiment: Experiment, followed: Followed | None = None) -> Plan:
         loaded=[by_payload[motion.payload] for motion in experiment.motion],
         law=law,
         gains=chosen,
+        left=left,
         _followed={} if followed is None else followed,
         _warned=warned,
     )
+
+
+def _without_passage(experiment: Experiment, left: Motion) -> Experiment:
+    """The experiment without a passage into its first motion, if that is the one that is left."""
+    first, *others = experiment.motion
+    other = {"duration": left.duration, "blend": left.blend, "payload": left.payload}
+    if first.model_copy(update=other) != left:
+        return experiment
+    first = first.model_copy(update={"blend": 0})
+    return experiment.model_copy(update={"motion": (first, *others)})
 
 
 def _adapting(experiment: Experiment, law: Law, robot: Robot, notes: list[str]) -> Experiment:

@@ -69,10 +69,12 @@ VARIABLES = {
     "start": Variable(MOTION, "s", "start of the motion"),
     "end": Variable(MOTION, "s", "end of the motion"),
     "period": Variable(MOTION, "s", "cycle time T"),
+    "q_end": Variable(("joint",), "rad", "joint angle after the last time step"),
+    "dq_end": Variable(("joint",), "rad/s", "joint velocity after the last time step"),
 }
 
-OPTIONAL = ("rotation_rms",)
-"""Variables that only runs of a task with rotation have."""
+OPTIONAL = ("rotation_rms", "q_end", "dq_end")
+"""Variables that only runs of a task with rotation have, or those of this version."""
 
 KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
 """What kinds of dtype are called."""

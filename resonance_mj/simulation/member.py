@@ -10,6 +10,7 @@ from ..results.motions import motions
 from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
+from .continuing import Start
 from .ending import ending, hindrances, named
 from .loading import load_law, load_motion, load_springs
 from .recording import Recording
@@ -24,9 +25,17 @@ class Member:
         memory: of the controllers of all robots of the batch.
         stepper: that advances them.
         index: of this robot in both.
+        start: what it goes on from; None for rest at home.
     """
 
-    def __init__(self, plan: Plan, memory: Memory, stepper: Stepper, index: int) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        memory: Memory,
+        stepper: Stepper,
+        index: int,
+        start: Start | None = None,
+    ) -> None:
         self.plan = plan
         self._memory, self._stepper, self._index = memory, stepper, index
         self._recording = Recording(plan)
@@ -34,6 +43,18 @@ class Member:
         self.status, self._message = Status.OK, ""
         stepper.start(index, plan.robot.qpos)
         load_law(memory, index, plan)
+        if start is not None:
+            self._go_on_from(start)
+
+    def _go_on_from(self, start: Start) -> None:
+        """Take state, springs and learned torque of a run before."""
+        memory, index, robot = self._memory, self._index, self.plan.robot
+        qpos, qvel = self._stepper.state(index)
+        qpos[robot.qpos_address], qvel[robot.dof_address] = start.q, start.dq
+        positions = ["xyz".index(axis) for axis in robot.position_axes]
+        memory["before"][index, positions] = start.x[: len(positions)]
+        load_springs(memory, index, start.springs, self.plan.experiment.springs)
+        memory["learned"][index, : len(start.u)] = start.u
 
     def begin_cycle(self, cycle: int) -> None:
         """Set the load, the tables and the springs of a cycle of the run."""
@@ -80,7 +101,9 @@ class Member:
         """
         last = self._recording.last.items()
         hindered = {index: hindrances(self.plan, index, cycle) for index, cycle in last}
-        data = self._recording.dataset(hindered)
+        robot, (qpos, qvel) = self.plan.robot, self._stepper.state(self._index)
+        end = qpos[robot.qpos_address], qvel[robot.dof_address]
+        data = self._recording.dataset(hindered, *end)
         ended = ending(self.plan, motions(data), hindered)
         if self.status is Status.OK:
             self.status, self._message = ended.status, ended.message

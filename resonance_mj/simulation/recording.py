@@ -152,11 +152,15 @@ class Recording:
         )
         return bool(metrics.tracks(position, size, rotation if rotation.size else None)[0])
 
-    def dataset(self, hindered: Mapping[int, Sequence[Hindrance]]) -> xr.Dataset:
+    def dataset(
+        self, hindered: Mapping[int, Sequence[Hindrance]], q: np.ndarray, dq: np.ndarray
+    ) -> xr.Dataset:
         """The run so far, as labelled arrays with units.
 
         Args:
             hindered: what hindered the arm in the last whole cycle of each motion, by its number.
+            q: joint angles after the last time step (n,) [rad].
+            dq: their velocity (n,) [rad/s].
         """
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
         optima, made = self.optima(size, hindered)
@@ -208,6 +212,8 @@ class Recording:
                 "torque_reduction": reduced,
                 "torque_share": metrics.share(reduced, optimal[segment]),
                 "optimum_made": made,
+                "q_end": q.copy(),
+                "dq_end": dq.copy(),
                 "size": size,
                 "start": np.concatenate([[0.0], ends[:-1]]),
                 "end": ends,

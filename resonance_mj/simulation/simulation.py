@@ -12,6 +12,8 @@ from ..plan.plan import Followed, Plan, plan_for
 from ..results.run import Run
 from ..robots.warned import heard
 from ..status import Status
+from . import continuing
+from .continuing import Start
 from .member import Member
 from .stepper import Alone, Stepper, Together
 
@@ -24,6 +26,7 @@ def simulate(
     *,
     interpret: bool = False,
     strict: bool = False,
+    after: Run | None = None,
     progress: Progress | None = None,
     note: Callable[[str], None] | None = None,
 ) -> Run:
@@ -34,6 +37,9 @@ def simulate(
         interpret: run the law as plain Python in the callback, for a debugger; the same numbers,
             some thirty times slower.
         strict: refuse what will diverge, where it would be a note else.
+        after: a run of the same arm and task that this one goes on from, with its last state, and
+            the springs and the torque that its law has learned. Its last motion goes on without a
+            passage, and with the same bits as if it had never ended.
         progress: called after each cycle with the cycles done and the cycles in all.
         note: called before the first step with each thing that was found, changed or is doubtful,
             and after the last with what the run showed; they stand in `Run.notes` too.
@@ -46,17 +52,19 @@ def simulate(
     Raises:
         RobotError: the robot cannot be loaded.
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
+        ExperimentError: `after` is a run of another arm or task, or one that did not end.
         StabilityError: the feedback or the learning will diverge, and `strict` is set.
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
-    plan = plan_for(experiment)
+    plan = plan_for(experiment, left=None if after is None else continuing.left(after))
+    start = None if after is None else continuing.start(after, plan)
     if strict:
         plan.refuse_unstable()
     note = note or (lambda line: None)
     for line in plan.notes:
         note(line)
-    run = simulate_plans([plan], Alone, interpret=interpret, progress=progress)[0]
+    run = simulate_plans([plan], Alone, interpret=interpret, start=start, progress=progress)[0]
     for line in run.notes[len(plan.notes) :]:
         note(line)
     return run
@@ -120,6 +128,7 @@ def simulate_plans(
     stepper_of: Callable[[list[mujoco.MjModel]], Stepper],
     *,
     interpret: bool = False,
+    start: Start | None = None,
     progress: Progress | None = None,
 ) -> list[Run]:
     """Simulate plans that fit together, cycle by cycle.
@@ -128,6 +137,7 @@ def simulate_plans(
         plans: what to simulate.
         stepper_of: makes, of the robots' models, what advances them by the steps of each cycle.
         interpret: run the law as plain Python.
+        start: what all of them go on from; rest at home if not given.
         progress: called after each cycle with the cycles done and the cycles in all.
 
     Returns:
@@ -144,7 +154,7 @@ def simulate_plans(
     first = plans[0]
     stepper = stepper_of([plan.robot.model for plan in plans])
     memory = Memory(stepper.userdata, first.layout)
-    members = [Member(plan, memory, stepper, index) for index, plan in enumerate(plans)]
+    members = [Member(plan, memory, stepper, index, start) for index, plan in enumerate(plans)]
     wall = 0.0
     with heard(), installed(interpret=interpret, command=first.law.command):
         for cycle, segment in enumerate(first.schedule):

@@ -17,6 +17,9 @@ class Stepper(Protocol):
     def start(self, robot: int, qpos: np.ndarray) -> None:
         """Place a robot at rest at `qpos` (nq,)."""
 
+    def state(self, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """Position (nq,) and velocity (nv,) of a robot, to read and to write."""
+
     def step(self, robots: list[int], steps: int) -> None:
         """Advance some of the robots by a number of time steps."""
 
@@ -35,6 +38,10 @@ class Alone:
     def start(self, robot: int, qpos: np.ndarray) -> None:
         """Place a robot at rest at `qpos` (nq,)."""
         self.data.qpos[:] = qpos
+
+    def state(self, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """Position (nq,) and velocity (nv,) of the robot, to read and to write."""
+        return self.data.qpos, self.data.qvel
 
     def step(self, robots: list[int], steps: int) -> None:
         """Advance the robot by a number of time steps."""
@@ -55,11 +62,15 @@ class Together:
         self._batch = Batch(models[0], nsim=len(models), nthread=threads)
         self._batch.set_models(models)
         self.userdata = self._batch.bind("userdata")
-        self._qpos = self._batch.bind("qpos")
+        self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
 
     def start(self, robot: int, qpos: np.ndarray) -> None:
         """Place a robot at rest at `qpos` (nq,)."""
         self._qpos[robot] = qpos
+
+    def state(self, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """Position (nq,) and velocity (nv,) of a robot, to read and to write."""
+        return self._qpos[robot], self._qvel[robot]
 
     def step(self, robots: list[int], steps: int) -> None:
         """Advance some of the robots by a number of time steps."""
