@@ -193,7 +193,8 @@ def _beside(
             values = np.linalg.svd(kinematics.jacobian(middle), compute_uv=False)
             width = np.ptp(robot.model.jnt_range[robot.joint_id], axis=1)
             inside = _to_limit(middle, robot) > LIMITS * width
-            if values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
+            free = not touching(robot.model, robot.qpos, robot.qpos_address, middle[None])
+            if free and values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
                 return sized(candidate, kinematics, name, alpha_0, bounds)
         except MotionError:
             continue
