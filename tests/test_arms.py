@@ -267,3 +267,22 @@ def test_the_task_is_in_the_coordinates_that_the_arm_is_good_at(tmp_path):
     path = written(tmp_path, link("pan", "j1", tilt, axis="0 0 1", x=0.01))
     assert built(path, home=[0.02, 0.7]).axes == ("x", "y")
     assert built(path, home=[1.2, 0.7]).axes == ("x", "z")
+
+
+PENDULUM = """<mujoco><worldbody><body name="bob" pos="0 0 2"><joint name="x" axis="1 0 0"/>
+<joint name="y" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 -.25" size=".02"/></body>
+</worldbody></mujoco>"""
+
+
+def test_the_tool_of_a_pendulum_without_a_site_is_its_center_of_mass(tmp_path):
+    """No joint moves the origin of its body."""
+    (tmp_path / "arm.xml").write_text(PENDULUM)
+    arm = for_robot(str(tmp_path / "arm.xml"))
+    robot = build(arm)
+    assert robot.tools[0].name == "com:bob"
+    assert len(robot.axes) == 2
+    assert any("whose origin no joint moves" in note for note in robot.notes)
+    given = build(arm.replace({"robot.tool": "com:bob", "robot.home": robot.home.tolist()}))
+    np.testing.assert_array_equal(given.position, robot.position)
+    run = rmj.simulate(arm)
+    assert (run.status, run.motions[0].verdict) == (rmj.Status.OK, "at optimum")

@@ -18,7 +18,8 @@ class Robot(Section):
     mjcf: Annotated[Name, BeforeValidator(as_file)]
     """A path, or the name of a file in mjcf/; in Python an MjSpec or MjModel as well."""
     tool: Name | None = None
-    """The site or body that follows the motion; found if not given."""
+    """The site or body that follows the motion, or com:BODY for its center of mass; found if not
+    given."""
     arm: Name | None = None
     """Of several arms the one that has this word in the names of its joints or tool, such as left;
     the one with the most joints if not given."""

@@ -18,7 +18,7 @@ from ..files import is_file, is_folder
 from ..text import listed, shown
 from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound, source
 from .compiling import compile_spec, parse
-from .tool import Tool, find_tools
+from .tool import Tool, find_tools, moved
 
 TOOL_SITE = "resonance_mj_tool"
 """The site that is added where the tool is a body, with underscores behind it if it is taken."""
@@ -125,11 +125,13 @@ def read(given: Robot) -> Arm:
             f"{path}: no joint moves the tool {site!r}{only}; an arm needs hinge and slide joints"
         )
     chain.check(model, joint_ids, path, f"the tool {site!r}")
-    point = np.zeros(3)
+    if given.tool is None:
+        tools = moved(model, tools, joint_ids, notes)
+    point = np.array(tools[0].point)
     if tools[0].kind == "site":
         point = model.site(site).pos.copy()
     else:
-        of_body, site = spec.body(site), names.free(TOOL_SITE, spec.site)
+        of_body, site = spec.body(tools[0].body), names.free(TOOL_SITE, spec.site)
         poses.set_pose(of_body.add_site(name=site), point, poses.IDENTITY)
     at_home, key = _at_home(model, given.home if isinstance(given.home, str) else None, path)
     others = [model.key(i).name for i in range(model.nkey) if model.key(i).name not in ("", key)]

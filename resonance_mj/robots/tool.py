@@ -11,6 +11,12 @@ from ..text import listed, shown
 from . import arms, chain
 from .names import UNNAMED, is_sensor, usual
 
+CENTER = "com:"
+"""Begins the name of a tool that is the center of mass of the body named behind it."""
+
+ON_AXIS = 1e-6
+"""How much nearer to all axes than the center of mass an origin is that no joint moves."""
+
 
 @dataclass(frozen=True)
 class Tool:
@@ -18,13 +24,15 @@ class Tool:
 
     Attributes:
         name: in the file.
-        kind: site or body.
-        body: the body that carries a site; the body itself.
+        kind: site, body or center of mass.
+        body: the body that carries it; the body itself.
+        point: where it is in that body (3,) [m]; of a site as the file has it.
     """
 
     name: str
     kind: str
     body: str
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def find_tools(
@@ -34,7 +42,7 @@ def find_tools(
 
     Args:
         model: of the file.
-        given: name of a site or body; None to find it.
+        given: name of a site or body, or com: and a body's; None to find it.
         arm: a word that says which of several arms is meant.
         path: of the file.
         notes: get lines of what was found.
@@ -64,14 +72,16 @@ def find_tools(
             )
     else:
         named = [tool for tool in tools if tool.name == given]
+        bodies = [tool for tool in tools if CENTER + tool.name == given and tool.kind == "body"]
+        named += [_center(model, model.body(tool.name).id) for tool in bodies]
         if not named:
             raise RobotError(
                 f"{path}: robot.tool = {shown(given)}: no such site or body; its sites are: "
                 f"{_names(tools, 'site')}; its bodies: {_names(tools, 'body')}"
             )
         chosen = named[0]
-    others = [tool for tool in at_ends if not tool.name.startswith(UNNAMED)]
-    return tuple(dict.fromkeys((chosen, *others)))
+    others = [tool for tool in at_ends if tool != chosen and not tool.name.startswith(UNNAMED)]
+    return (chosen, *dict.fromkeys(others))
 
 
 def _found(
@@ -122,6 +132,43 @@ def _found(
     )
     notes.append(f"tool: body {best.name!r}, the deepest of the longest chain of joints")
     return best
+
+
+def _center(model: mujoco.MjModel, body: int) -> Tool:
+    """The center of mass of a body as a tool."""
+    name = model.body(body).name
+    x, y, z = model.body_ipos[body].tolist()
+    return Tool(CENTER + name, "center of mass", name, (x, y, z))
+
+
+def moved(
+    model: mujoco.MjModel, tools: tuple[Tool, ...], joints: list[int], notes: list[str]
+) -> tuple[Tool, ...]:
+    """The tools that were found, the first at its center of mass if no joint moves its origin.
+
+    Args:
+        model: of the file.
+        tools: as from `find_tools`.
+        joints: ids of those that move.
+        notes: get a line of the change.
+    """
+    name = tools[0].name
+    if (
+        tools[0].kind != "body"
+        or (model.jnt_type[joints] != int(mujoco.mjtJoint.mjJNT_HINGE)).any()
+    ):
+        return tools
+    data, body = mujoco.MjData(model), model.body(name).id
+    mujoco.mj_kinematics(model, data)
+    anchors, axes = data.xanchor[joints], data.xaxis[joints]
+    origin, center = (
+        np.linalg.norm(np.cross(axes, at - anchors), axis=1).max()
+        for at in (data.xpos[body], data.xipos[body])
+    )
+    if origin >= ON_AXIS * center:
+        return tools
+    notes.append(f"tool: the center of mass of body {name!r}, whose origin no joint moves")
+    return (_center(model, body), *tools[1:])
 
 
 def _names(tools: list[Tool], kind: str) -> str:
