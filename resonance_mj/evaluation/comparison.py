@@ -14,11 +14,12 @@ from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..files import replacing, writable
 from ..laws.gains import adaptation
-from ..results import metrics
+from ..results import html, metrics
 from ..results.motions import MotionOfRun
 from ..results.run import Run, Status, finite
 from ..robots.robot import build
 from ..simulation.simulation import Progress, simulate_many
+from ..text import length, percent
 
 SHORTEST = 20
 """Fewest cycles of the last motion that say whether a law lasts."""
@@ -118,7 +119,7 @@ class Verdict(NamedTuple):
         return f"{self.lowest:.2g}-{self.highest:.2g} × optimum"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Runs of one experiment under several laws.
 
@@ -133,6 +134,25 @@ class Comparison:
     titles: dict[str, str]
     runs: dict[str, Run]
     long: dict[str, Run]
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {self.experiment.name!r}: {', '.join(self.titles)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the rows, but for those of what needs no word."""
+        head = ("law", "motion", "torque² less by", "tracking RMS", "cycles to the best", "status")
+        rows = (
+            [
+                row["title"],
+                str(row["motion"]),
+                percent(row["torque_reduction"]),
+                length(row["tracking_rms"]),
+                str(row["cycles_to_optimum"] or "never"),
+                row["status"],
+            ]
+            for row in self.rows()
+        )
+        return html.table(f"{self.experiment.name}: last cycle of each motion", head, rows)
 
     def rows(self) -> list[dict[str, Any]]:
         """A dict per law and motion, of the motion's last cycle.

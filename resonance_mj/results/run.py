@@ -16,7 +16,8 @@ import xarray as xr
 
 from ..experiments.experiment import Experiment
 from ..status import Status
-from . import storing
+from ..text import NOTHING, length, number, percent
+from . import html, storing
 from .motions import MotionOfRun, motions
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """One simulated experiment.
 
@@ -88,6 +89,53 @@ class Run:
     def motions(self) -> tuple[MotionOfRun, ...]:
         """The motions of the run, each with its cycles, its optimum and its samples."""
         return motions(self.data)
+
+    @property
+    def stiffness(self) -> xr.DataArray:
+        """Stiffness of each joint's spring in the last whole cycle (joint) [N m/rad]."""
+        return self.data["stiffness_per_cycle"][-1]
+
+    @property
+    def equilibrium(self) -> xr.DataArray:
+        """Equilibrium angle of each joint's spring in the last whole cycle (joint) [rad]."""
+        return self.data["equilibrium_per_cycle"][-1]
+
+    def __repr__(self) -> str:
+        ended = [motion for motion in self.motions if len(motion.cycles)]
+        reached = ", ".join(
+            f"{percent(one.torque_reduction[-1])} (best {percent(one.torque_reduction_optimal)})"
+            for one in ended
+        )
+        return (
+            f"<Run {self.experiment.name!r}: {self.status}, {self.data.sizes['cycle']} cycles, "
+            f"torque² less by {reached or NOTHING}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: each motion's last cycle, and its springs beside the best."""
+        rows = []
+        for motion in self.motions:
+            last = motion.summary()
+            rows.append(
+                [
+                    f"motion {motion.number}",
+                    motion.verdict,
+                    f"{percent(last['torque_reduction'])} (best "
+                    f"{percent(motion.torque_reduction_optimal)})",
+                    length(last["tracking_rms"]),
+                    *(
+                        f"{number(mine)} ({number(best)})"
+                        for mine, best in zip(
+                            last["stiffness"] or [None] * len(motion.stiffness_optimal),
+                            motion.stiffness_optimal,
+                            strict=True,
+                        )
+                    ),
+                ]
+            )
+        joints = [f"k {name} (best)" for name in self.data["joint"].values]
+        head = ["", "the last cycle is", "torque² less by", "tracking RMS", *joints]
+        return html.table(f"{self.experiment.name}: {self.status}. {self.message}", head, rows)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the plan, which holds MuJoCo's own memory."""

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..experiments.sections import Springs
+from ..text import percent, shown
 from .fit import LinearSprings, fit
 from .spring import equilibrium_angles
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Optimum:
     """The constant springs that minimise (3) for one motion, and what they leave to the motors.
 
@@ -26,6 +27,11 @@ class Optimum:
     q: np.ndarray
     torque: np.ndarray
     torque_without_springs: np.ndarray
+
+    def __repr__(self) -> str:
+        k, q_e = (shown(np.round(v, 3)) for v in (self.stiffness, self.equilibrium))
+        less = percent(self.torque_reduction)
+        return f"<Optimum: stiffness {k}, equilibrium {q_e}, torque² less by {less}>"
 
     @property
     def stiffness(self) -> np.ndarray:

@@ -16,7 +16,7 @@ from ...results.cycles import Cycle, kept
 from ...results.run import Run, Status
 from ...springs.fit import LinearSprings
 from ...springs.optimum import Optimum, best_springs
-from ...text import shown
+from ...text import listed, shown
 from .lyapunov import Balance, balance
 from .orthogonality import Handover, optimal, printed, transferred
 
@@ -89,7 +89,7 @@ class Certificate:
         return None if self.worst is None else not self.fails.any()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Certificates:
     """The certificates of a run.
 
@@ -107,6 +107,12 @@ class Certificates:
     joints: tuple[str, ...]
     unit: str
     enough: float
+
+    def __repr__(self) -> str:
+        judged = [item for item in self.items if item.holds is not None]
+        failed = [f"{one.claim.equation} in motion {one.motion}" for one in judged if not one.holds]
+        count = f"{len(judged) - len(failed)} of {len(judged)} hold"
+        return f"<Certificates of {self.name!r}: {count}; not {listed(failed)}>"
 
     def of(self, equation: str) -> list[Certificate]:
         """The certificates of one equation, such as "(15)", motion by motion."""
