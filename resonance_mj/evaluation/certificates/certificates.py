@@ -111,8 +111,9 @@ class Certificates:
     def __repr__(self) -> str:
         judged = [item for item in self.items if item.holds is not None]
         failed = [f"{one.claim.equation} in motion {one.motion}" for one in judged if not one.holds]
-        count = f"{len(judged) - len(failed)} of {len(judged)} hold"
-        return f"<Certificates of {self.name!r}: {count}; not {listed(failed)}>"
+        not_all = f", but not {listed(failed)}" if failed else ""
+        held = f"{len(judged) - len(failed)} of {len(judged)} hold{not_all}"
+        return f"<Certificates of {self.name!r}: {held}>"
 
     def of(self, equation: str) -> list[Certificate]:
         """The certificates of one equation, such as "(15)", motion by motion."""
