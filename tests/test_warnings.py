@@ -1,9 +1,13 @@
 """What is said before a run starts."""
 
+import re
+
 import numpy as np
 import pytest
 
 import resonance_mj as rmj
+from resonance_mj import library
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.plan.plan import plan_for
 
 
@@ -39,8 +43,6 @@ def test_the_predicted_limit_is_where_runs_diverge():
 
 
 def test_a_motor_too_weak_for_the_motion_is_named_with_the_ratio(tmp_path):
-    from resonance_mj import library
-
     text = library.robots()["two_link.xml"].read_text()
     weak = text.replace('<motor name="motor1"', '<motor ctrlrange="-0.5 0.5" name="motor1"')
     (tmp_path / "weak.xml").write_text(weak)
@@ -54,3 +56,19 @@ def test_a_motion_near_a_singular_pose_is_said(reach, near):
     """The arm is stretched, and singular, at 0.55 m."""
     changes = {"motion.0.offset": [0.05 - reach, 0.0], "motion.0.sin": [[0.05], [0.0]]}
     assert bool(said(notes(changes), "motion.0 comes near a singular pose")) is near
+
+
+@pytest.mark.parametrize("damping", [0.2, 20.0])
+def test_what_damping_takes_is_said_where_it_leaves_little_to_springs(damping, tmp_path):
+    """D q̇ is in quadrature with q: no spring can exert it."""
+    text = library.robots()["two_link.xml"].read_text()
+    path = tmp_path / "arm.xml"
+    path.write_text(re.sub(r'damping="[^"]*"', f'damping="{damping}"', text))
+    plan = plan_for(for_robot(str(path)))
+    (best,), (joints,) = plan.optima, plan.joints
+    share = ((damping * joints.dq) ** 2).sum() / (best.torque_without_springs**2).sum()
+    lines = said(plan.notes, "damping and dry friction alone take")
+    assert bool(lines) == (share > 0.3) == (damping > 1)
+    if lines:
+        assert f"{100 * share:.0f}" in lines[0]
+        assert share < 1 - best.torque_reduction + 0.01

@@ -21,6 +21,9 @@ ANALYSED = ("learning", "fixed", "paper", "transfer")
 POSES = 40
 """Poses along a cycle at which gains and contacts are looked at."""
 
+WASTED = 0.3
+"""Share of torque² without springs from which it is said what damping and friction take of it."""
+
 WORTHWHILE = 0.05
 """Multiple of a learning gain from which it is worth saying that it would not diverge."""
 
@@ -46,6 +49,26 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
         said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
     return list(map(Caution, said))
+
+
+def lost(loaded: list[Kinematics], found: list[JointMotion], optima: list[Optimum]) -> list[str]:
+    """Of motions that springs help little, how much damping and friction take, a line each.
+
+    Arguments as of `before`.
+    """
+    said = []
+    for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
+        robot = kinematics.robot
+        friction = robot.model.dof_frictionloss[robot.dof_address]
+        resisted = robot.damping * joints.dq + friction * np.sign(joints.dq)
+        without = best.torque_squared_without_springs
+        share = float((resisted**2).sum(axis=1).mean()) / without if without else 0.0
+        if share > WASTED and best.torque_reduction < 1 - WASTED:
+            said.append(
+                f"along motion.{index} damping and dry friction alone take {percent(share, 0)} of "
+                "torque² without springs, and no spring can carry them"
+            )
+    return said
 
 
 def held(robot: Robot, springs: LinearSprings | None) -> list[str]:

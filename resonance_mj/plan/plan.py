@@ -243,7 +243,8 @@ class Plan:
         )
         before = notes.before(self.loaded, self.joints, self.optima)
         held = notes.held(self.robot, self.holding if self.left is None else None)
-        return (*self.unstable, *before, *map(Caution, given), *self.robot.notes, *held)
+        lost = notes.lost(self.loaded, self.joints, self.optima)
+        return (*self.unstable, *before, *map(Caution, given), *self.robot.notes, *held, *lost)
 
     def _follow(self) -> list[JointMotion]:
         experiment, start, found = self.experiment, self.robot.home, []
