@@ -27,7 +27,8 @@ class HeadUp:
     def __init__(self, shown: FrameData, options: RenderOptions, width: int) -> None:
         self._shown, self._ink, self._paper = shown, options.ink, options.paper
         size = max(11, round(options.size[1] / 38))
-        widest = self._fields(int(np.argmax(np.char.str_len(shown.cycle.astype(str)))))
+        digits = len(str(shown.cycle[-1]))
+        widest = self._fields(int(np.searchsorted(shown.cycle, 10 ** (digits - 1))))
         while size > 8 and sum(_width(size, text) for text in widest) + size * 9 > width:
             size -= 1
         self._size, self._width = size, width

@@ -32,7 +32,6 @@ class FrameData:
         sample: index of each frame's sample (F,).
         time: of each sample (N,) [s].
         cycle: number of each sample's cycle, from 1 (N,).
-        first: index of the first sample of each sample's cycle (N,).
         period: samples in a whole cycle at each sample (N,).
         q: joint angles (N, n) [rad].
         x: position of the tool (N, m) [m].
@@ -54,7 +53,6 @@ class FrameData:
     sample: np.ndarray
     time: np.ndarray
     cycle: np.ndarray
-    first: np.ndarray
     period: np.ndarray
     q: np.ndarray
     x: np.ndarray
@@ -223,7 +221,6 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         sample=np.searchsorted(time, wanted + SLACK * dt, side="right") - 1,
         time=time,
         cycle=cycle,
-        first=np.searchsorted(cycle, cycle),
         period=np.round(data["period"].values[segment] / dt).astype(int),
         q=part["q"].values,
         x=part["x"].values[:, position],

@@ -23,7 +23,6 @@ def planned(one: Plan, cycle: int) -> FrameData:
         sample=np.arange(steps),
         time=(sum(map(one.steps, one.schedule[:cycle])) + np.arange(steps)) * dt,
         cycle=np.full(steps, cycle + 1),
-        first=np.zeros(steps, int),
         period=np.full(steps, steps),
         q=one.joints[segment].q.copy(),
         x=x.copy(),

@@ -1,7 +1,7 @@
 """The model as it is filmed: a copy with light, a floor, room for the picture and for overlays."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import mujoco
 import numpy as np
@@ -18,23 +18,22 @@ FLAT = {"white": (1.0, 1.0, 1.0), "transparent": (1.0, 1.0, 1.0), "dark": (0.086
 HORIZON, ZENITH = (0.93, 0.95, 0.97), (0.75, 0.80, 0.86)
 PREFIX = "resonance_mj_"
 """Begins the name of everything that is added."""
+RINGS = {"path": 97, "trail": 49, "spring": 120, "equilibrium": 4, "motor": 40}
+"""Rings of the tube of each kind of overlay."""
+OF_JOINTS = {"spring": "springs", "equilibrium": "springs", "motor": "motors"}
+"""Overlays that each joint has one of, by the option that asks for them."""
 
 _GEOM, _TEXTURE = mujoco.mjtGeom, mujoco.mjtTexture
 
 
-def add(
-    shown: FrameData,
-    options: RenderOptions,
-    overlays: dict[str, int],
-    size: tuple[int, int],
-    note: Callable[[str], None],
+def prepare(
+    shown: FrameData, options: RenderOptions, size: tuple[int, int], note: Callable[[str], None]
 ) -> tuple[mujoco.MjModel, str]:
     """Compile a copy of the arm that is shown for pictures; the file is not changed.
 
     Args:
         shown: which arm, in which poses.
-        options: background.
-        overlays: rings of each overlay's tube by its name: they become skins.
+        options: background, and which overlays there are: they become skins.
         size: width and height that are rendered [pixels].
         note: is called with a line if the arm had to be made visible.
 
@@ -44,9 +43,8 @@ def add(
     Raises:
         RobotError: the file is missing or MuJoCo rejects it.
     """
-    given = shown.robot
-    path = mjcf.find(given.mjcf)
-    arm = mjcf.read(given)
+    path = mjcf.find(shown.robot.mjcf)
+    arm = mjcf.read(shown.robot)
     spec = arm.spec
     model = compile_spec(spec, path)
     if show_arm(spec, model, shown.joints, arm.site, note):
@@ -58,30 +56,36 @@ def add(
         for geom in floors:
             geom.material, geom.rgba = "", [0, 0, 0, 0]
     elif not floors:
-        _add_floor(spec, lowest(model, shown))
+        poses = shown.q[shown.sample[:: max(1, len(shown.sample) // 20)]]
+        every = np.arange(model.ngeom)
+        posed = in_poses(model, shown.joints, poses)
+        lowest = min(corners(model, data, every)[:, 2].min(initial=0.0) for data in posed)
+        _add_floor(spec, float(lowest))
     _set_sky(spec, options.background)
     # Overlays glow a little: their colours mean something, in the shadow as well.
     spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
-    for name, rings in overlays.items():
-        _add_tube(spec, PREFIX + name, rings)
+    for kind in ("path", "trail"):
+        if getattr(options, kind):
+            _add_tube(spec, kind, RINGS[kind])
+    for j in range(len(shown.joints)):
+        for kind, wanted in OF_JOINTS.items():
+            if getattr(options, wanted):
+                _add_tube(spec, f"{kind} {j}", RINGS[kind])
     # Each process that draws has the buffer in memory, several times: it is no larger than needed.
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size
     return compile_spec(spec, path), arm.site
 
 
-def lowest(model: mujoco.MjModel, shown: FrameData) -> float:
-    """Height of the lowest point of a model's geoms in poses that are shown [m]; at most 0."""
+def in_poses(
+    model: mujoco.MjModel, joints: tuple[str, ...], poses: np.ndarray
+) -> Iterator[mujoco.MjData]:
+    """A model with its joints at angles (P, n) [rad], in one mjData."""
     data = mujoco.MjData(model)
-    address = [model.jnt_qposadr[model.joint(name).id] for name in shown.joints]
-    found = 0.0
-    for q in shown.q[shown.sample[:: max(1, len(shown.sample) // 20)]]:
+    address = [model.jnt_qposadr[model.joint(name).id] for name in joints]
+    for q in poses:
         data.qpos[address] = q
         mujoco.mj_kinematics(model, data)
-        rotation = data.geom_xmat.reshape(-1, 3, 3)
-        middle = data.geom_xpos + np.einsum("gij,gj->gi", rotation, model.geom_aabb[:, :3])
-        reach = (np.abs(rotation[:, 2]) * model.geom_aabb[:, 3:]).sum(axis=1)
-        found = min(found, float((middle[:, 2] - reach).min(initial=0.0)))
-    return found
+        yield data
 
 
 def corners(model: mujoco.MjModel, data: mujoco.MjData, geoms: np.ndarray) -> np.ndarray:
@@ -154,7 +158,7 @@ def _add_tube(spec: mujoco.MjSpec, name: str, rings: int) -> None:
     """A skin of the world: its vertices can be rewritten for each frame."""
     corners = rings * tubes.SIDES
     spec.add_skin(
-        name=name,
+        name=PREFIX + name,
         material=f"{PREFIX}overlay",
         # The compiler rejects vertices that coincide.
         vert=np.linspace(0.0, 1e-3, 3 * corners).tolist(),
