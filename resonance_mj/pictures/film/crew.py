@@ -12,9 +12,8 @@ from ...errors import PictureError
 from . import gl
 from .drawing_process import BROKEN, READY, WRONG
 from .frame_data import FrameData, scales
-from .frames import Job, Part
+from .frames import Job, Part, PlotPicture
 from .options import RenderOptions
-from .plot_picture import PlotPicture
 from .surroundings import prepare
 
 

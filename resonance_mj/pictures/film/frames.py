@@ -9,8 +9,38 @@ from .captions import HeadUp, Legend
 from .frame_data import FrameData, Scale
 from .options import RenderOptions
 from .overlays import Overlays
-from .plot_picture import PlotPicture
 from .render_model import RenderModel
+
+
+@dataclass(frozen=True)
+class PlotPicture:
+    """Two pictures (height, width, 3) of the same plots, and where time is in them.
+
+    A frame takes what lies before a cursor from one and what lies behind it from the other.
+
+    Attributes:
+        before: what has been when the cursor is at the right end.
+        after: the same, faint.
+        panels: of each plot: top, bottom, left and right [pixels].
+        span: times at the left and right ends of each plot [s].
+        ink: colour of the cursor (3,).
+    """
+
+    before: np.ndarray
+    after: np.ndarray
+    panels: tuple[tuple[int, int, int, int], ...]
+    span: tuple[float, float]
+    ink: np.ndarray
+
+    def draw(self, picture: np.ndarray, time: float) -> None:
+        """Draw the plots at a time [s] into `picture` (height, width, 3 or 4)."""
+        picture = picture[..., :3]
+        picture[:] = self.after
+        low, high = self.span
+        for top, bottom, left, right in self.panels:
+            x = left + round((right - left) * min(max((time - low) / (high - low), 0.0), 1.0))
+            picture[top:bottom, left:x] = self.before[top:bottom, left:x]
+            picture[top:bottom, max(x - 1, 0) : x + 1] = self.ink
 
 
 @dataclass(frozen=True)

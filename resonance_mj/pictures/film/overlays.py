@@ -129,7 +129,8 @@ class Overlays:
             self._path_cycle = int(self._shown.cycle[sample])
             self._path = self._desired(sample)
         radius = tubes.dashed(0.035 * self._size, RINGS["path"], dash=3)
-        self._draw_before_all("path", self._path, radius, eye, self._options.ink)
+        tube = tubes.tube(self._before_all(self._path, eye), radius)
+        self._draw("path", tube, colour(self._options.ink))
 
     def _draw_trail(self, sample: int, eye: np.ndarray) -> None:
         rings, long = RINGS["trail"], int(TRAIL * self._shown.period[sample])
@@ -143,7 +144,7 @@ class Overlays:
         since += gaps[-1] + 1 if len(gaps) else 0
         points = np.array([self._tool(i) for i in np.maximum(index, since)])
         radius = np.linspace(0.0, 0.075 * self._size, rings)
-        self._draw_before_all("trail", points, radius, eye, MEASURED)
+        self._draw("trail", tubes.tube(self._before_all(points, eye), radius), colour(MEASURED))
 
     def _draw_spring(
         self, j: int, place: Place, stiffness: float, to_equilibrium: float, torque: float
@@ -171,10 +172,10 @@ class Overlays:
             reach = np.linspace(joint.outer - 0.1 * size, joint.outer + 0.4 * size, len(across))
             mark = centre + reach[:, None] * tubes.turned(link, axis, np.array(end))
         radius = profile(float(0.09 * size * np.sqrt(share)), len(part))
-        self._draw(f"spring {j}", points, radius, axis, _shade(torque))
+        self._draw(f"spring {j}", tubes.tube(points, radius, axis), _shade(torque))
         if abs(to_equilibrium) <= most:
-            radius = tubes.rounded(0.07 * size, len(across))
-            self._draw(f"equilibrium {j}", mark, radius, axis, colour(self._options.ink))
+            tube = tubes.tube(mark, tubes.rounded(0.07 * size, len(across)), axis)
+            self._draw(f"equilibrium {j}", tube, colour(self._options.ink))
 
     def _draw_motor(self, j: int, place: Place, torque: float) -> None:
         """Draw a motor's torque, a share of its scale."""
@@ -193,31 +194,17 @@ class Overlays:
             normal = axis
         length = SWEEP * abs(share) * (joint.outer + 0.45 * size)
         head = int(np.clip(rings * 0.35 * size / length, 3, rings // 2))
-        self._draw(
-            f"motor {j}", points, tubes.arrow(0.075 * size, rings, head), normal, colour(MOTOR)
-        )
+        tube = tubes.tube(points, tubes.arrow(0.075 * size, rings, head), normal)
+        self._draw(f"motor {j}", tube, colour(MOTOR))
 
-    def _draw_before_all(
-        self, name: str, points: np.ndarray, radius: np.ndarray, eye: np.ndarray, shade: str
-    ) -> None:
-        """Draw a curve at its place in the picture, but nearer than the arm that hides it."""
+    def _before_all(self, points: np.ndarray, eye: np.ndarray) -> np.ndarray:
+        """The same points of the picture, but nearer to the camera than the arm that hides them."""
         sight = eye - points
         distance = np.linalg.norm(sight, axis=1, keepdims=True)
-        points = points + np.minimum(1.5 * self._size / distance, 0.5) * sight
-        # The direction in which the curve is flattest.
-        normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][-1]
-        self._draw(name, points, radius, normal, colour(shade))
+        return points + np.minimum(1.5 * self._size / distance, 0.5) * sight
 
-    def _draw(
-        self,
-        name: str,
-        points: np.ndarray,
-        radius: np.ndarray,
-        normal: np.ndarray,
-        rgba: np.ndarray,
-    ) -> None:
+    def _draw(self, name: str, vertices: np.ndarray, rgba: np.ndarray) -> None:
         model, skin = self._arm.model, self.skins[PREFIX + name]
-        vertices = tubes.tube(points, radius, normal)
         first = model.skin_vertadr[skin]
         model.skin_vert[first : first + len(vertices)] = vertices
         model.skin_rgba[skin] = rgba

@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterator
 
 import mujoco
 import numpy as np
+from PIL import ImageColor
 
 from ...robots import mjcf
 from ...robots.compiling import compile_spec
 from . import tubes
 from .frame_data import FrameData
-from .options import RenderOptions, rgb
-from .visibility import show_arm
+from .options import RenderOptions
 
 FLAT = {"white": (1.0, 1.0, 1.0), "transparent": (1.0, 1.0, 1.0), "dark": (0.086, 0.094, 0.11)}
 """Backgrounds of one colour; they have no floor."""
@@ -22,6 +22,10 @@ RINGS = {"path": 97, "trail": 49, "spring": 120, "equilibrium": 4, "motor": 40}
 """Rings of the tube of each kind of overlay."""
 OF_JOINTS = {"spring": "springs", "equilibrium": "springs", "motor": "motors"}
 """Overlays that each joint has one of, by the option that asks for them."""
+SHOWN = np.flatnonzero(mujoco.MjvOption().geomgroup)
+"""The groups of geoms that MuJoCo shows unless it is told otherwise."""
+NOTHING = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
+"""MuJoCo's colour of a geom that has none, which lets its material's through."""
 
 _GEOM, _TEXTURE = mujoco.mjtGeom, mujoco.mjtTexture
 
@@ -47,7 +51,7 @@ def prepare(
     arm = mjcf.read(shown.robot)
     spec = arm.spec
     model = compile_spec(spec, path)
-    if show_arm(spec, model, shown.joints, arm.site, note):
+    if _show_arm(spec, model, shown.joints, arm.site, note):
         model = compile_spec(spec, path)
     if model.nlight == 0:
         _add_light(spec, model.stat)
@@ -99,7 +103,59 @@ def corners(model: mujoco.MjModel, data: mujoco.MjData, geoms: np.ndarray) -> np
 
 def colour(text: str) -> np.ndarray:
     """A colour such as "#0072B2" as MuJoCo has it (4,)."""
-    return np.array([*rgb(text), 1.0], np.float32)
+    return np.array(ImageColor.getcolor(text, "RGBA"), np.float32) / np.float32(255)
+
+
+def _show_arm(
+    spec: mujoco.MjSpec,
+    model: mujoco.MjModel,
+    joints: tuple[str, ...],
+    site: str,
+    note: Callable[[str], None],
+) -> bool:
+    """See to it that something of the arm is seen; returns whether a spec had to be changed."""
+    moving = np.flatnonzero(model.body_weldid[model.geom_bodyid] > 0)
+    solid = [i for i in moving if _opacity(model, i) > 0]
+    if any(model.geom_group[i] in SHOWN for i in solid):
+        return False
+    if solid:
+        groups = sorted(set(model.geom_group[solid].tolist()))
+        note(f"all of the arm is in geom groups that are hidden: {groups} are shown")
+        for i in solid:
+            spec.geoms[i].group = 0
+    else:
+        note("the arm has no geom that could be seen: it is drawn as lines between its joints")
+        _add_lines(spec, model, joints, site)
+    return True
+
+
+def _opacity(model: mujoco.MjModel, geom: np.integer) -> float:
+    material = model.geom_matid[geom]
+    own = material < 0 or (model.geom_rgba[geom] != NOTHING).any()
+    return float((model.geom_rgba[geom] if own else model.mat_rgba[material])[3])
+
+
+def _add_lines(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, joints: tuple[str, ...], site: str
+) -> None:
+    """A capsule from each joint to the next, and from the last to the tool."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    ids = [model.joint(name).id for name in joints]
+    points = np.array([*data.xanchor[ids], data.site_xpos[model.site(site).id]])
+    radius = 0.04 * np.linalg.norm(np.diff(points, axis=0), axis=1).sum() / np.sqrt(len(ids))
+    for joint, (start, end) in zip(ids, itertools.pairwise(points), strict=True):
+        body = int(model.jnt_bodyid[joint])
+        ends = (np.stack([start, end]) - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
+        apart = np.linalg.norm(end - start) > 1e-6
+        spec.body(model.body(body).name).add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE if apart else mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[radius, 0, 0],
+            **({"fromto": ends.ravel()} if apart else {"pos": ends[0]}),
+            mass=0,
+            contype=0,
+            conaffinity=0,
+        )
 
 
 def _add_light(spec: mujoco.MjSpec, about: mujoco.MjStatistic) -> None:
@@ -122,10 +178,15 @@ def _add_light(spec: mujoco.MjSpec, about: mujoco.MjStatistic) -> None:
 
 
 def _add_floor(spec: mujoco.MjSpec, height: float) -> None:
-    texture = spec.add_texture(name=f"{PREFIX}floor", type=_TEXTURE.mjTEXTURE_2D)
-    texture.builtin = mujoco.mjtBuiltin.mjBUILTIN_CHECKER
-    texture.rgb1, texture.rgb2 = (0.80, 0.82, 0.84), (0.74, 0.76, 0.79)
-    texture.width = texture.height = 256
+    spec.add_texture(
+        name=f"{PREFIX}floor",
+        type=_TEXTURE.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.80, 0.82, 0.84],
+        rgb2=[0.74, 0.76, 0.79],
+        width=256,
+        height=256,
+    )
     material = spec.add_material(name=f"{PREFIX}floor", texrepeat=[4, 4], texuniform=True)
     textures = list(material.textures)
     textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = f"{PREFIX}floor"

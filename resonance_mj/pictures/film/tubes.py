@@ -16,14 +16,16 @@ def faces(rings: int) -> np.ndarray:
     return np.concatenate([np.stack(three, axis=1) for three in corners])
 
 
-def tube(points: np.ndarray, radius: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def tube(points: np.ndarray, radius: np.ndarray, normal: np.ndarray | None = None) -> np.ndarray:
     """Vertices (M · SIDES, 3) of a tube around a curve.
 
     Args:
         points: of the curve (M, 3) [m].
         radius: of the tube at each (M,) [m]; 0 leaves the curve out there.
-        normal: a direction that the curve nowhere runs along (3,).
+        normal: a direction that the curve nowhere runs along (3,); that in which it is flattest.
     """
+    if normal is None:
+        normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][-1]
     along = np.gradient(points, axis=0)
     u = _unit(np.cross(along, normal))
     v = _unit(np.cross(along, u))

@@ -15,9 +15,8 @@ from ...simulation.simulation import simulate_plans
 from ...simulation.stepper import Alone
 from ...status import Status
 from ..film import frame_data
-from ..film.frame_data import FrameData, Scale
+from ..film.frame_data import FrameData, Scale, planned
 from ..film.options import RenderOptions
-from ..film.plan_data import planned
 from .clock import Clock
 from .window import Closed, Window
 

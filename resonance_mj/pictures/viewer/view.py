@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from contextlib import suppress
 
-import numpy as np
-
 from ...errors import PictureError
 from ...experiments.experiment import Experiment
 from ...results.run import Run
@@ -64,9 +62,16 @@ def view(
         step = what.experiment.simulation.timestep
         given = start is not None or stop is not None
         times = frame_data.times((what,), low, high, step, given)
+        shown = frame_data.of_run(what, times, what.experiment.name)
+        scale = frame_data.scale([shown])
         display.check()
+        from .window import Closed, Window
+
         note(KEYS_HELP)
-        _replay(what, times, options, clock, once, note)
+        with Window(shown, options, scale, clock, note) as window, suppress(Closed):
+            clock.go_on_at(0.0)
+            while (number := frame(clock.steps(step), len(times), once)) is not None:
+                window.show(shown, int(shown.sample[number]), scale)
         return what
     display.check()
     from ...callback.callback import refuse_another
@@ -92,25 +97,6 @@ def frame(steps: int, frames: int, once: bool) -> int | None:
         The number; None after the end.
     """
     return None if once and steps >= frames else steps % frames
-
-
-def _replay(
-    run: Run,
-    times: np.ndarray,
-    options: RenderOptions,
-    clock: Clock,
-    once: bool,
-    note: Callable[[str], None],
-) -> None:
-    """Show some times of a run until the window is closed, or to the last of them."""
-    from .window import Closed, Window  # opens OpenGL
-
-    shown = frame_data.of_run(run, times, run.experiment.name)
-    scale, dt = frame_data.scale([shown]), run.experiment.simulation.timestep
-    with Window(shown, options, scale, clock, note) as window, suppress(Closed):
-        clock.go_on_at(0.0)
-        while (number := frame(clock.steps(dt), len(times), once)) is not None:
-            window.show(shown, int(shown.sample[number]), scale)
 
 
 def _ignore(_: object) -> None:

@@ -14,11 +14,12 @@ from typing import Any
 import mujoco
 import mujoco.viewer
 import numpy as np
+from PIL import ImageColor
 
 from ...errors import PictureError
 from ..film.captions import HeadUp, Legend
 from ..film.frame_data import FrameData, Scale
-from ..film.options import RenderOptions, rgb
+from ..film.options import RenderOptions
 from ..film.overlays import Overlays
 from ..film.render_model import RenderModel
 from ..film.surroundings import prepare
@@ -174,7 +175,7 @@ class Window:
         options = replace(self._options, size=(width, height))
         images, legend = [], Legend(options, port.width)
         if legend.height:
-            paper = np.round(255 * np.array(rgb(options.paper))).astype(np.uint8)
+            paper = np.array(ImageColor.getrgb(options.paper), np.uint8)
             foot = np.tile(paper, (legend.height, port.width, 1))
             legend.draw(foot)
             images.append((mujoco.MjrRect(port.left, port.bottom, port.width, len(foot)), foot))
