@@ -12,7 +12,7 @@ from ...errors import PictureError
 from . import gl
 from .drawing_process import BROKEN, READY, WRONG
 from .frame_data import FrameData, scales
-from .frames import Job, Part, PlotPicture
+from .frames import Part, PlotPicture
 from .options import RenderOptions
 from .surroundings import prepare
 
@@ -59,9 +59,8 @@ def drawn(
     pixels = memoryview(bytearray(options.channels * options.size[0] * options.size[1]))
     tried: dict[str, str] = {}
     for backend in gl.backends():
-        crew = [
-            _started(Job(parts, options, frames[i::count]), backend, count) for i in range(count)
-        ]
+        jobs = [(parts, options, frames[i::count]) for i in range(count)]
+        crew = [_started(job, backend, count) for job in jobs]
         try:
             answers = [_line(process) for process in crew]
             if all(answer == READY for answer in answers):
@@ -79,7 +78,7 @@ def drawn(
     raise PictureError(gl.missing(tried))
 
 
-def _started(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
+def _started(job: tuple[object, ...], backend: str | None, count: int) -> subprocess.Popen[bytes]:
     # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
     path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}

@@ -1,23 +1,18 @@
 """The process that draws frames; it is started with MUJOCO_GL set, as a module of this name.
 
-It reads a pickled `frames.Job` from its standard input, says in one line that it is ready or what
-is wrong, and writes its frames as raw pixels to its standard output.
+It reads from its standard input, pickled, the parts of the picture, how it looks and the numbers of
+the frames to draw, says in one line that it is ready or what is wrong, and writes these frames as
+raw pixels to its standard output.
 """
-
-from __future__ import annotations
 
 import os
 import pickle
 import signal
 import sys
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import ResonanceError
-
-if TYPE_CHECKING:
-    from .frames import Job
 
 READY, WRONG, BROKEN, NO_OPENGL = "ready", "wrong", "broken", "no OpenGL"
 
@@ -43,8 +38,8 @@ def main() -> None:
     try:
         from .frames import FrameRenderer
 
-        job: Job = pickle.load(sys.stdin.buffer)
-        renderers = [FrameRenderer(part, job.options) for part in job.parts]
+        parts, options, frames = pickle.load(sys.stdin.buffer)
+        renderers = [FrameRenderer(part, options) for part in parts]
     except ResonanceError as error:
         say(f"{WRONG}: {error}")
         return
@@ -52,10 +47,10 @@ def main() -> None:
         say(f"{BROKEN}: frames cannot be drawn: {type(error).__name__}: {error}")
         raise
     say(READY)
-    width, height = job.options.size
-    picture = np.full((height, width, job.options.channels), 128, np.uint8)
+    width, height = options.size
+    picture = np.full((height, width, options.channels), 128, np.uint8)
     try:
-        for frame in job.frames:
+        for frame in frames:
             for renderer in renderers:
                 renderer.draw(picture, frame)
             output.write(picture.data)

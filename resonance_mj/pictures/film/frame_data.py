@@ -217,10 +217,9 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         time=time,
         cycle=cycle,
         period=np.round(data["period"].values[segment] / dt).astype(int),
-        q=part["q"].values,
         x=part["x"].values[:, position],
         x_desired=part["x_desired"].values[:, position],
-        **{name: part[name].values for name in ("stiffness", "offset", "center", "tau")},
+        **{name: part[name].values for name in ("q", "stiffness", "offset", "center", "tau")},
         reduction=np.where(of[last] == segment + 1, reduction[last], np.nan),
         best=best[segment],
     )
@@ -230,7 +229,6 @@ def planned(one: Plan, cycle: int) -> FrameData:
     """A cycle of the run, counted from 0, as it should be: the desired motion, and no torque."""
     segment = one.schedule[cycle]
     steps, dt = one.steps(segment), one.experiment.simulation.timestep
-    best = one.optima[segment]
     axes = tuple("xyz".index(axis) for axis in one.robot.position_axes)
     none = np.zeros((4, steps, one.robot.n))
     x = one.desired(cycle).x[:, : len(axes)]
@@ -252,7 +250,7 @@ def planned(one: Plan, cycle: int) -> FrameData:
         center=none[2],
         tau=none[3],
         reduction=np.full(steps, np.nan),
-        best=np.full(steps, best.torque_reduction),
+        best=np.full(steps, one.optima[segment].torque_reduction),
     )
 
 
@@ -266,7 +264,7 @@ def cycle_ends(experiment: Experiment) -> np.ndarray:
 
 
 def _seconds(value: float | str, name: str, cycles: np.ndarray) -> float:
-    """A time of the run of this name, or of a cycle that which `cycles` has for it [s]."""
+    """A time of the run of this name [s]; that of a cycle is in `cycles`."""
     try:
         if not (isinstance(value, str) and value.endswith("c")):
             if np.isfinite(seconds := float(value)):

@@ -66,21 +66,6 @@ class Part:
     right: int
 
 
-@dataclass(frozen=True)
-class Job:
-    """What a process draws.
-
-    Attributes:
-        parts: the runs side by side.
-        options: how the video looks.
-        frames: numbers of the frames to draw, in order.
-    """
-
-    parts: tuple[Part, ...]
-    options: RenderOptions
-    frames: range
-
-
 class FrameRenderer:
     """Draws the frames of a run. It needs OpenGL: MUJOCO_GL is set when this is imported.
 
@@ -93,7 +78,7 @@ class FrameRenderer:
         height = options.size[1] - options.plots_height
         arm = RenderModel(part.shown, options, part.model, part.tool)
         self._data, self._camera = arm.data, arm.camera(width / height)
-        self._overlays = Overlays(arm, part.shown, options, part.scale, self._camera)
+        self._overlays = Overlays(arm, part.scale, self._camera)
         self._head_up = HeadUp(part.shown, options, width) if options.head_up else None
         self._legend = Legend(options, width)
         self._renderer = mujoco.Renderer(arm.model, height, width)

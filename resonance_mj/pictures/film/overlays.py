@@ -12,9 +12,8 @@ import numpy as np
 from ..palette import MEASURED, MOTOR, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
 from . import tubes
 from .frame_data import FrameData, Scale
-from .options import RenderOptions
-from .render_model import RenderModel, size
-from .surroundings import PREFIX, RINGS, colour
+from .render_model import RenderModel
+from .surroundings import PREFIX, RINGS, colour, size
 
 WINDINGS = 2.0
 """Turns of a spring whose joint is at its equilibrium."""
@@ -50,29 +49,19 @@ class Overlays:
 
     Args:
         arm: in the pose of the first frame.
-        shown: what is filmed.
-        options: which overlays there are.
         scales: what full thickness, colour and length stand for.
         camera: as it is at the first frame.
     """
 
-    def __init__(
-        self,
-        arm: RenderModel,
-        shown: FrameData,
-        options: RenderOptions,
-        scales: Scale,
-        camera: mujoco.MjvCamera,
-    ) -> None:
-        self._arm, self._shown, self._options, self._scale = arm, shown, options, scales
-        model, data = arm.model, arm.data
+    def __init__(self, arm: RenderModel, scales: Scale, camera: mujoco.MjvCamera) -> None:
+        self._arm, self._shown, self._options, self._scale = arm, arm.shown, arm.options, scales
+        model, anchors = arm.model, arm.anchors(arm.data)
         self._other_pose = mujoco.MjData(model)
         self._tool = lru_cache(4 * RINGS["trail"])(self._tool_at)
-        anchors = [data.xanchor[i] for i in arm.ids] + [data.site_xpos[arm.site]]
-        self._size, eye = size(np.array(anchors)), arm.eye(camera)
+        self._size, eye = size(anchors), arm.eye(camera)
         self._joints = [self._placed(i, anchors[k + 1], eye) for k, i in enumerate(arm.ids)]
         self._path, self._path_cycle = np.empty(0), -1
-        self._dt = float(np.diff(shown.time).min())
+        self._dt = float(np.diff(arm.shown.time).min())
         names = ((s, model.skin(s).name) for s in range(model.nskin))
         self.skins = {name: s for s, name in names if name.startswith(PREFIX)}
 

@@ -105,7 +105,18 @@ def _torque_squared(ax: Axes, run: Run, roomy: bool) -> list[Line2D]:
     ax.set_yscale("log")
     ax.set_title("motor torque² [N² m²]")
     if roomy:
-        _beside_title(ax, {"optimum": OPTIMAL, "no springs": MUTED})
+        # What the lines are, in their colours, at the right of the title.
+        for at, text, colour in ((-8.2, "- - optimum", OPTIMAL), (0, "··· no springs", MUTED)):
+            ax.annotate(
+                text,
+                (1.0, 1.0),
+                xytext=(at, 0.35),
+                xycoords="axes fraction",
+                textcoords="offset fontsize",
+                ha="right",
+                va="bottom",
+                color=colour,
+            )
     ax.yaxis.set_major_locator(LogLocator(numticks=5))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_minor_locator(NullLocator())
@@ -141,21 +152,6 @@ def _ordinate(ax: Axes, run: Run, j: int) -> None:
     high = max(high, low + least, low + 1e-9)
     margin = 0.08 * (high - low)
     ax.set_ylim(low - margin, high + margin)
-
-
-def _beside_title(ax: Axes, entries: dict[str, str]) -> None:
-    """What the lines are, in their colours, at the right of the title."""
-    for index, (text, colour) in enumerate(reversed(entries.items())):
-        ax.annotate(
-            ("- - " if colour == OPTIMAL else "··· ") + text,
-            (1.0, 1.0),
-            xytext=(-8.2 * index, 0.35),
-            xycoords="axes fraction",
-            textcoords="offset fontsize",
-            ha="right",
-            va="bottom",
-            color=colour,
-        )
 
 
 def _time_axis(ax: Axes, end: float) -> None:

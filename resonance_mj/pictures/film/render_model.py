@@ -1,14 +1,12 @@
 """The arm as pictures show it: its pose, and where it is looked at from."""
 
-from itertools import pairwise
-
 import mujoco
 import numpy as np
 
 from ...errors import PictureError
 from .frame_data import FrameData
 from .options import RenderOptions
-from .surroundings import corners, in_poses
+from .surroundings import corners, in_poses, size
 
 POSES = 24
 """Poses that are in the picture for certain."""
@@ -28,7 +26,7 @@ class RenderModel:
         tool: name of the tool's site in it.
 
     Attributes:
-        model: as given.
+        shown, options, model: as given.
         data: the arm's pose; at first that of the first frame.
         ids: of the arm's joints (n).
         address: of each in qpos (n,).
@@ -38,24 +36,28 @@ class RenderModel:
     def __init__(
         self, shown: FrameData, options: RenderOptions, model: mujoco.MjModel, tool: str
     ) -> None:
-        self._options, self.model, self.data = options, model, mujoco.MjData(model)
+        self.shown, self.options = shown, options
+        self.model, self.data = model, mujoco.MjData(model)
         self.site = int(model.site(tool).id)
         self.ids = [model.joint(name).id for name in shown.joints]
         self.address = model.jnt_qposadr[self.ids]
-        joints, tools, bodies = [], [], []
+        anchors, bodies = [], []
         moves = model.body_weldid[model.geom_bodyid] > 0
         seen = np.flatnonzero(moves & (model.geom_rgba[:, 3] > 0))
         # The samples reach beyond the frames by a cycle: the whole path is in the picture.
         poses = shown.q[:: max(1, len(shown.q) // POSES)]
         for data in in_poses(model, shown.joints, poses):
-            joints.append(data.xanchor[self.ids])
-            tools.append(data.site_xpos[self.site].copy())
+            anchors.append(self.anchors(data))
             bodies.append(corners(model, data, seen))
-        wide = 1.5 * size(np.vstack([joints[0], tools[0]]))
-        around = np.concatenate(joints)[:, None] + wide * np.vstack([np.eye(3), -np.eye(3)])
-        self._in_the_picture = np.concatenate([around.reshape(-1, 3), tools, *bodies])
-        self._motion = np.array(tools)
+        places, wide = np.array(anchors), 1.5 * size(anchors[0])
+        around = places[:, :-1, None] + wide * np.vstack([np.eye(3), -np.eye(3)])
+        self._motion = places[:, -1]
+        self._in_the_picture = np.concatenate([around.reshape(-1, 3), self._motion, *bodies])
         self.pose(shown.q[shown.sample[0]])
+
+    def anchors(self, data: mujoco.MjData) -> np.ndarray:
+        """Where the joints and the tool are in a pose of the model (n + 1, 3) [m]."""
+        return np.array([*data.xanchor[self.ids], data.site_xpos[self.site]])
 
     def pose(self, q: np.ndarray) -> None:
         """Bring the arm to joint angles (n,) [rad]."""
@@ -73,7 +75,7 @@ class RenderModel:
         Raises:
             PictureError: the model has no camera of that name.
         """
-        camera, options = mujoco.MjvCamera(), self._options
+        camera, options = mujoco.MjvCamera(), self.options
         view = options.view
         if options.camera is not None and view is None:
             names = [self.model.camera(i).name for i in range(self.model.ncam)]
@@ -127,12 +129,6 @@ class RenderModel:
 
         # From behind the same is seen: the side with the x axis to the right is taken.
         return float(max(np.arange(15.0, 180.0, 15.0), key=seen)), elevation
-
-
-def size(anchors: np.ndarray) -> float:
-    """Size of springs and arcs [m], from where the joints and the tool are (n + 1, 3) [m]."""
-    reach = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(anchors))
-    return 0.2 * reach / np.sqrt(len(anchors) - 1)
 
 
 def _directions(azimuth: float, elevation: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

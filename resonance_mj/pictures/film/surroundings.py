@@ -92,6 +92,12 @@ def in_poses(
         yield data
 
 
+def size(anchors: np.ndarray) -> float:
+    """Size of springs and arcs [m], from where the joints and the tool are (n + 1, 3) [m]."""
+    reach = np.linalg.norm(np.diff(anchors, axis=0), axis=1).sum()
+    return float(0.2 * reach / np.sqrt(len(anchors) - 1))
+
+
 def corners(model: mujoco.MjModel, data: mujoco.MjData, geoms: np.ndarray) -> np.ndarray:
     """Corners of the boxes around some geoms, by their ids (g,), in the world (8 g, 3) [m]."""
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -143,14 +149,13 @@ def _add_lines(
     mujoco.mj_kinematics(model, data)
     ids = [model.joint(name).id for name in joints]
     points = np.array([*data.xanchor[ids], data.site_xpos[model.site(site).id]])
-    radius = 0.04 * np.linalg.norm(np.diff(points, axis=0), axis=1).sum() / np.sqrt(len(ids))
     for joint, (start, end) in zip(ids, itertools.pairwise(points), strict=True):
         body = int(model.jnt_bodyid[joint])
         ends = (np.stack([start, end]) - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
         apart = np.linalg.norm(end - start) > 1e-6
         spec.body(model.body(body).name).add_geom(
             type=mujoco.mjtGeom.mjGEOM_CAPSULE if apart else mujoco.mjtGeom.mjGEOM_SPHERE,
-            size=[radius, 0, 0],
+            size=[0.2 * size(points), 0, 0],
             **({"fromto": ends.ravel()} if apart else {"pos": ends[0]}),
             mass=0,
             contype=0,

@@ -104,7 +104,7 @@ class Window:
             for name in ("type", "fixedcamid", "azimuth", "elevation", "distance"):
                 setattr(camera, name, getattr(found, name))
             camera.lookat[:] = found.lookat
-        self._overlays = Overlays(self._arm, self._shown, self._options, self._scales, found)
+        self._overlays = Overlays(self._arm, self._scales, found)
         # As decoration of the scene overlays cast no shadow on the arm. The vertices of a skin
         # without colour go on following the model, and a geom of the type skin shows them.
         scene, skins = self._viewer.user_scn, self._overlays.skins.values()
