@@ -21,12 +21,15 @@ def main() -> None:
     """Draw what standard input asks for."""
     # An interrupt is for the process that started this one; it closes the pipes.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # To a pipe without a buffer all is written at once.
     output = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
 
+    def send(content: memoryview) -> None:
+        while content:  # a process that is stopped and goes on may have written a part
+            content = content[output.write(content) :]
+
     def say(line: str) -> None:
-        output.write((" ".join(line.split()) + "\n").encode())
+        send(memoryview((" ".join(line.split()) + "\n").encode()))
 
     try:
         import mujoco
@@ -53,7 +56,7 @@ def main() -> None:
         for frame in frames:
             for renderer in renderers:
                 renderer.draw(picture, frame)
-            output.write(picture.data)
+            send(picture.data.cast("B"))
     except BrokenPipeError:
         return
 

@@ -53,9 +53,8 @@ class Watched(Alone):
         self._starts, self._dt = clock.starts, plan.experiment.simulation.timestep
         self._memory = Memory(self.userdata, plan.layout)
         # The cycle that is simulated, as it is planned until then, behind the one before it.
-        self._before: list[FrameData] = []
-        self._now, self._scale = planned(plan, 0), expected(plan, 0)
-        self._cycle = self._taken = self._filled = 0
+        self._shown, self._scale = planned(plan, 0), expected(plan, 0)
+        self._cycle = self._taken = self._begin = self._filled = 0
         # A payload's body is one that the window's copy of the arm does not have.
         bodies = np.arange(models[0].nbody)
         self._bodies = bodies[bodies != plan.robot.payload]
@@ -87,9 +86,9 @@ class Watched(Alone):
 
     def show(self, state: str = "") -> None:
         """Show the last sample, and wait for the next frame; `state` is what the line adds."""
-        shown = joined([*self._before, self._now])
-        begin = len(shown.time) - len(self._now.time)
-        self._window.show(shown, max(begin + self._filled - 1, 0), self._scale, state)
+        sample = max(self._begin + self._filled - 1, 0)
+        # A copy: what has been filled in since the last frame is new to the window.
+        self._window.show(replace(self._shown), sample, self._scale, state)
         self.data.xfrc_applied[self._bodies] = self._window.pushes
         if self._clock.starts != self._starts:
             raise Restarted
@@ -102,26 +101,27 @@ class Watched(Alone):
     def _fill(self, steps: int) -> None:
         """Take what was recorded in the first `steps` steps of the cycle."""
         new = slice(self._filled, steps)
+        at = slice(self._begin + self._filled, self._begin + steps)
         for name in ("q", "x", "tau", "stiffness", "offset"):
-            values = getattr(self._now, name)
-            values[new] = self._memory.recorded(name, steps)[0, new, : values.shape[1]]
-        self._now.center[new] = self._memory["q_c"][0]
+            values = getattr(self._shown, name)
+            values[at] = self._memory.recorded(name, steps)[0, new, : values.shape[1]]
+        self._shown.center[at] = self._memory["q_c"][0]
         self._filled = steps
 
     def _go_on(self) -> None:
         """Go on to the next cycle; the one before it has been filled."""
-        plan, motion, before = self._plan, self._plan.schedule[self._cycle], self._now
-        now = planned(plan, self._cycle)
+        plan, motion = self._plan, self._plan.schedule[self._cycle]
+        part: Any = {name: getattr(self._shown, name)[self._begin :] for name in OF_SAMPLES}
+        before, now = replace(self._shown, **part), planned(plan, self._cycle)
         # Springs that grow stiffer than the optimum's become what the thickest stands for.
-        shown = joined([*self._before, before])
-        scales = self._scale, expected(plan, motion), frame_data.scale([shown])
+        scales = self._scale, expected(plan, motion), frame_data.scale([self._shown])
         self._scale = Scale(*np.max(scales, axis=0))
         if motion == plan.schedule[self._cycle - 1]:
             without = plan.optima[motion].torque_squared_without_springs
             off = np.sqrt(((before.x - before.x_desired) ** 2).sum(axis=1).mean())
             if tracks(off, np.ptp(before.x_desired, axis=0).max()):
                 now.reduction[:] = reduction((before.tau**2).sum(axis=1).mean(), without)
-        self._before, self._now, self._filled = [before], now, 0
+        self._shown, self._begin, self._filled = joined([before, now]), len(before.time), 0
 
 
 def joined(parts: Sequence[FrameData]) -> FrameData:
