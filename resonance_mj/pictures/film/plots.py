@@ -94,9 +94,8 @@ def _plots(figure: Figure, run: Run, width: int, height: int, size: float) -> li
 def _torque_squared(ax: Axes, run: Run, roomy: bool) -> list[Line2D]:
     data = run.data
     starts, stops = data["start"].values, data["end"].values
-    without, best = (
-        data[f"torque_squared_{name}"].values for name in ("without_springs", "optimal")
-    )
+    without = data["torque_squared_without_springs"].values
+    best = data["torque_squared_optimal"].values
     ax.hlines(without, starts, stops, color=MUTED, linestyle=":")
     ax.hlines(best, starts, stops, color=OPTIMAL, linestyle="--")
     time = cycle_ends(run.experiment)[: data.sizes["cycle"]]

@@ -20,14 +20,10 @@ PREFIX = "resonance_mj_"
 """Begins the name of everything that is added."""
 RINGS = {"path": 97, "trail": 49, "spring": 120, "equilibrium": 4, "motor": 40}
 """Rings of the tube of each kind of overlay."""
-OF_JOINTS = {"spring": "springs", "equilibrium": "springs", "motor": "motors"}
-"""Overlays that each joint has one of, by the option that asks for them."""
 SHOWN = np.flatnonzero(mujoco.MjvOption().geomgroup)
 """The groups of geoms that MuJoCo shows unless it is told otherwise."""
 NOTHING = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
 """MuJoCo's colour of a geom that has none, which lets its material's through."""
-
-_GEOM, _TEXTURE = mujoco.mjtGeom, mujoco.mjtTexture
 
 
 def prepare(
@@ -55,7 +51,7 @@ def prepare(
         model = compile_spec(spec, path)
     if model.nlight == 0:
         _add_light(spec, model.stat)
-    floors = [geom for geom in spec.geoms if geom.type == _GEOM.mjGEOM_PLANE]
+    floors = [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE]
     if options.background in FLAT:
         for geom in floors:
             geom.material, geom.rgba = "", [0, 0, 0, 0]
@@ -68,13 +64,12 @@ def prepare(
     _set_sky(spec, options.background)
     # Overlays glow a little: their colours mean something, in the shadow as well.
     spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
-    for kind in ("path", "trail"):
-        if getattr(options, kind):
-            _add_tube(spec, kind, RINGS[kind])
+    names = ["path"] * options.path + ["trail"] * options.trail
     for j in range(len(shown.joints)):
-        for kind, wanted in OF_JOINTS.items():
-            if getattr(options, wanted):
-                _add_tube(spec, f"{kind} {j}", RINGS[kind])
+        names += [f"spring {j}", f"equilibrium {j}"] * options.springs
+        names += [f"motor {j}"] * options.motors
+    for name in names:
+        _add_tube(spec, name)
     # Each process that draws has the buffer in memory, several times: it is no larger than needed.
     spec.visual.global_.offwidth, spec.visual.global_.offheight = size
     return compile_spec(spec, path), arm.site
@@ -185,7 +180,7 @@ def _add_light(spec: mujoco.MjSpec, about: mujoco.MjStatistic) -> None:
 def _add_floor(spec: mujoco.MjSpec, height: float) -> None:
     spec.add_texture(
         name=f"{PREFIX}floor",
-        type=_TEXTURE.mjTEXTURE_2D,
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
         rgb1=[0.80, 0.82, 0.84],
         rgb2=[0.74, 0.76, 0.79],
@@ -198,7 +193,7 @@ def _add_floor(spec: mujoco.MjSpec, height: float) -> None:
     material.textures = textures
     spec.worldbody.add_geom(
         name=f"{PREFIX}floor",
-        type=_GEOM.mjGEOM_PLANE,
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
         pos=[0, 0, height],
         size=[0, 0, 0.05],
         material=f"{PREFIX}floor",
@@ -209,19 +204,21 @@ def _add_floor(spec: mujoco.MjSpec, height: float) -> None:
 
 def _set_sky(spec: mujoco.MjSpec, background: str) -> None:
     """Make the sky of one colour, or add one to a model that has none."""
-    skies = [texture for texture in spec.textures if texture.type == _TEXTURE.mjTEXTURE_SKYBOX]
+    kind = mujoco.mjtTexture.mjTEXTURE_SKYBOX
+    skies = [texture for texture in spec.textures if texture.type == kind]
     if background not in FLAT and skies:
         return
     for texture in skies:
         spec.delete(texture)
-    sky = spec.add_texture(name=f"{PREFIX}sky", type=_TEXTURE.mjTEXTURE_SKYBOX)
+    sky = spec.add_texture(name=f"{PREFIX}sky", type=kind)
     sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
     sky.rgb1, sky.rgb2 = (FLAT[background],) * 2 if background in FLAT else (HORIZON, ZENITH)
     sky.width = sky.height = 64
 
 
-def _add_tube(spec: mujoco.MjSpec, name: str, rings: int) -> None:
+def _add_tube(spec: mujoco.MjSpec, name: str) -> None:
     """A skin of the world: its vertices can be rewritten for each frame."""
+    rings = RINGS[name.split()[0]]
     corners = rings * tubes.SIDES
     spec.add_skin(
         name=PREFIX + name,

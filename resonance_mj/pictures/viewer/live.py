@@ -59,6 +59,10 @@ class Watched(Alone):
         bodies = np.arange(models[0].nbody)
         self._bodies = bodies[bodies != plan.robot.payload]
 
+    def simulate(self) -> Run:
+        """Simulate the experiment, with what `step` raises."""
+        return simulate_plans([self._plan], lambda models: self)[0]
+
     def step(self, robots: list[int], steps: int) -> None:
         """Advance the robot by a cycle of so many time steps.
 
@@ -168,7 +172,7 @@ def live(
             clock.go_on_at(0.0)
             watched = Watched([plan.robot.model], plan, window, clock)
             try:
-                run = _simulate(plan, watched)
+                run = watched.simulate()
                 ended(run)
                 while not once:
                     watched.show("the end" if run.status is Status.OK else str(run.status))
@@ -177,7 +181,3 @@ def live(
                 continue
             except Closed:
                 return run
-
-
-def _simulate(plan: Plan, watched: Watched) -> Run:
-    return simulate_plans([plan], lambda models: watched)[0]
