@@ -41,7 +41,7 @@ class Pretended:
 
     frames, keys, pushed = 1 << 30, {}, 0.0
 
-    def __init__(self, shown, options, scales, clock, note):
+    def __init__(self, shown, options, clock, note):
         self.data, self.clock, self.late, self.shown = shown, clock, False, []
         self.wall = clock._now if isinstance(clock._now, Wall) else Wall()
         self.pushes = np.zeros((3, 6))

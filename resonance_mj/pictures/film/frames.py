@@ -78,7 +78,7 @@ class FrameRenderer:
         height = options.size[1] - options.plots_height
         arm = RenderModel(part.shown, options, part.model, part.tool)
         self._data, self._camera = arm.data, arm.camera(width / height)
-        self._overlays = Overlays(arm, part.scale, self._camera)
+        self._overlays = Overlays(arm, self._camera)
         self._head_up = HeadUp(part.shown, options, width) if options.head_up else None
         self._legend = Legend(options, width)
         self._renderer = mujoco.Renderer(arm.model, height, width)
@@ -89,7 +89,7 @@ class FrameRenderer:
         part, height = self._part, len(self._pixels)
         picture, shown = whole[:, part.left : part.right], part.shown
         sample = int(shown.sample[frame])
-        self._overlays.show(sample, self._camera)
+        self._overlays.show(shown, sample, part.scale, self._camera)
         self._renderer.update_scene(self._data, self._camera)
         drawn = self._renderer.scene
         for geom in drawn.geoms[: drawn.ngeom]:

@@ -49,12 +49,11 @@ class Overlays:
 
     Args:
         arm: in the pose of the first frame.
-        scales: what full thickness, colour and length stand for.
         camera: as it is at the first frame.
     """
 
-    def __init__(self, arm: RenderModel, scales: Scale, camera: mujoco.MjvCamera) -> None:
-        self._arm, self._shown, self._options, self._scale = arm, arm.shown, arm.options, scales
+    def __init__(self, arm: RenderModel, camera: mujoco.MjvCamera) -> None:
+        self._arm, self._shown, self._options = arm, arm.shown, arm.options
         model, anchors = arm.model, arm.anchors(arm.data)
         self._other_pose = mujoco.MjData(model)
         self._tool = lru_cache(4 * RINGS["trail"])(self._tool_at)
@@ -65,14 +64,19 @@ class Overlays:
         names = ((s, model.skin(s).name) for s in range(model.nskin))
         self.skins = {name: s for s, name in names if name.startswith(PREFIX)}
 
-    def go_on(self, shown: FrameData, scales: Scale) -> None:
-        """Show another part of the same arm's run, or more of it, from the next frame on."""
-        self._shown, self._scale = shown, scales
-        self._tool.cache_clear()
+    def show(self, shown: FrameData, sample: int, scales: Scale, camera: mujoco.MjvCamera) -> None:
+        """Bring the arm and its overlays to a sample, and the camera if it follows.
 
-    def show(self, sample: int, camera: mujoco.MjvCamera) -> None:
-        """Bring the arm and its overlays to a sample, and the camera if it follows."""
-        arm, shown, options = self._arm, self._shown, self._options
+        Args:
+            shown: what is filmed, or another part of the same arm's run.
+            sample: its number in it.
+            scales: what full thickness, colour and length stand for.
+            camera: that is drawn with.
+        """
+        arm, options = self._arm, self._options
+        if shown is not self._shown:
+            self._shown = shown
+            self._tool.cache_clear()
         arm.pose(shown.q[sample])
         if options.follow and camera.type == mujoco.mjtCamera.mjCAMERA_FREE:
             camera.lookat[:] = arm.data.site_xpos[arm.site]
@@ -83,15 +87,15 @@ class Overlays:
         if options.trail:
             self._draw_trail(sample, eye)
         to_equilibrium = shown.equilibrium(sample) - shown.q[sample]
-        shares = shown.spring(sample) / self._scale.torque
+        shares = shown.spring(sample) / scales.torque
         for j, joint in enumerate(self._joints):
             link = arm.data.xmat[joint.body].reshape(3, 3) @ joint.link
             place = arm.data.xanchor[joint.id], arm.data.xaxis[joint.id], link
             if options.springs:
-                stiffness = float(shown.stiffness[sample, j] / self._scale.stiffness[j])
+                stiffness = float(shown.stiffness[sample, j] / scales.stiffness[j])
                 self._draw_spring(j, place, stiffness, float(to_equilibrium[j]), float(shares[j]))
             if options.motors:
-                self._draw_motor(j, place, float(shown.tau[sample, j] / self._scale.torque[j]))
+                self._draw_motor(j, place, float(shown.tau[sample, j] / scales.torque[j]))
 
     def _tool_at(self, sample: int) -> np.ndarray:
         """Position of the tool (3,) [m]."""

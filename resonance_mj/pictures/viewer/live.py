@@ -167,7 +167,7 @@ def live(
     run: Run | None = None
     # A cycle of each motion as it should be: all that the run will come past.
     whole = joined([planned(plan, plan.schedule.index(i)) for i in range(len(plan.joints))])
-    with Window(whole, options, expected(plan, 0), clock, note) as window:
+    with Window(whole, options, clock, note) as window:
         while True:
             clock.go_on_at(0.0)
             watched = Watched([plan.robot.model], plan, window, clock)

@@ -68,7 +68,7 @@ def view(
         from .window import Closed, Window
 
         note(KEYS_HELP)
-        with Window(shown, options, scale, clock, note) as window, suppress(Closed):
+        with Window(shown, options, clock, note) as window, suppress(Closed):
             clock.go_on_at(0.0)
             while (number := frame(clock.steps(step), len(times), once)) is not None:
                 window.show(shown, int(shown.sample[number]), scale)

@@ -42,7 +42,6 @@ class Window:
     Args:
         shown: which arm; its samples are in the picture for certain.
         options: camera, background and what is drawn.
-        scales: what full thickness, colour and length of the overlays stand for.
         clock: is set by the user's keys.
         note: is called with each line that the user should know.
 
@@ -52,14 +51,9 @@ class Window:
     """
 
     def __init__(
-        self,
-        shown: FrameData,
-        options: RenderOptions,
-        scales: Scale,
-        clock: Clock,
-        note: Callable[[str], None],
+        self, shown: FrameData, options: RenderOptions, clock: Clock, note: Callable[[str], None]
     ) -> None:
-        self._shown, self._options, self._scales, self._clock = shown, options, scales, clock
+        self._options, self._clock = options, clock
         self._arm = RenderModel(shown, options, *prepare(shown, options, options.size, note))
         self._arm.camera(1.0)  # one that is not there is said before the window opens
         self._keys: queue.SimpleQueue[int] = queue.SimpleQueue()
@@ -104,7 +98,7 @@ class Window:
             for name in ("type", "fixedcamid", "azimuth", "elevation", "distance"):
                 setattr(camera, name, getattr(found, name))
             camera.lookat[:] = found.lookat
-        self._overlays = Overlays(self._arm, self._scales, found)
+        self._overlays = Overlays(self._arm, found)
         # As decoration of the scene overlays cast no shadow on the arm. The vertices of a skin
         # without colour go on following the model, and a geom of the type skin shows them.
         scene, skins = self._viewer.user_scn, self._overlays.skins.values()
@@ -141,16 +135,13 @@ class Window:
         Raises:
             Closed: there is no window any more.
         """
-        if shown is not self._shown:
-            self._overlays.go_on(shown, scales)
         with self._viewer.lock():
-            self._overlays.show(sample, self._viewer.cam)
+            self._overlays.show(shown, sample, scales, self._viewer.cam)
             colours = self._arm.model.skin_rgba
             for skin, geom in self._decoration:
                 geom.rgba[:] = colours[skin]
                 colours[skin, 3] = 0.0
         self._write(shown, sample, state)
-        self._shown = shown
         self._viewer.sync()
         time.sleep(max(0.0, self._next - time.perf_counter()))
         self._next = time.perf_counter() + FRAME
