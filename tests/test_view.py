@@ -16,7 +16,7 @@ from resonance_mj.pictures.film import frame_data
 from resonance_mj.pictures.viewer import display as displays
 from resonance_mj.pictures.viewer import live as living
 from resonance_mj.pictures.viewer.clock import Clock
-from resonance_mj.pictures.viewer.replay import frame
+from resonance_mj.pictures.viewer.view import frame
 from resonance_mj.plan.plan import plan_for
 
 GREY_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1 0"/>
@@ -41,7 +41,7 @@ class Pretended:
 
     frames, keys, pushed = 1 << 30, {}, 0.0
 
-    def __init__(self, shown, options, scales, clock, note):
+    def __init__(self, shown, options, clock, note):
         self.data, self.clock, self.late, self.shown = shown, clock, False, []
         self.wall = clock._now if isinstance(clock._now, Wall) else Wall()
         self.pushes = np.zeros((3, 6))
@@ -53,13 +53,9 @@ class Pretended:
     def __exit__(self, *_):
         pass
 
-    def go_on(self, shown, scales, state=""):
+    def show(self, shown, sample, scales, state=""):
         self.data, self.state = shown, state
-
-    def show(self, sample):
         self.shown.append((round(float(self.data.time[sample]), 6), self.state))
-
-    def wait(self):
         if len(self.shown) >= self.frames:
             raise living.Closed
         self.wall.now += 1 / 60
@@ -171,7 +167,7 @@ def test_the_film_of_a_cycle_is_what_a_video_of_its_run_shows(prepared, run, pre
     saved = frame_data.of_run(run, run.data["time"].values[2000:], "paper")
     same = saved.time >= watched.time[0] - 1e-9
     assert set(watched.cycle) == {3, 4}
-    for name in living.live_data.OF_SAMPLES:
+    for name in living.OF_SAMPLES:
         expected = getattr(saved, name)[same]
         # The last frame came before the last steps.
         np.testing.assert_allclose(getattr(watched, name), expected, rtol=1e-12, atol=1e-12)

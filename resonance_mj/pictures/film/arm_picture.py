@@ -11,8 +11,8 @@ from ...errors import PictureError
 from ...files import could_be_replaced, write
 from ...plan.plan import Plan
 from . import crew
+from .frame_data import planned
 from .options import RenderOptions
-from .plan_data import planned
 
 FORMATS = (".png", ".jpg", ".webp")
 

@@ -5,11 +5,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageColor, ImageDraw, ImageFont
 
 from ..palette import MEASURED, MOTOR, MUTED, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
 from .frame_data import FrameData
-from .options import RenderOptions, rgb
+from .options import RenderOptions
 
 # Matplotlib brings the fonts of the plots; it need not be imported for them.
 _FONTS = Path(str(find_spec("matplotlib").origin)).parent / "mpl-data" / "fonts" / "ttf"  # type: ignore[union-attr]
@@ -27,7 +27,8 @@ class HeadUp:
     def __init__(self, shown: FrameData, options: RenderOptions, width: int) -> None:
         self._shown, self._ink, self._paper = shown, options.ink, options.paper
         size = max(11, round(options.size[1] / 38))
-        widest = self._fields(int(np.argmax(np.char.str_len(shown.cycle.astype(str)))))
+        digits = len(str(shown.cycle[-1]))
+        widest = self._fields(int(np.searchsorted(shown.cycle, 10 ** (digits - 1))))
         while size > 8 and sum(_width(size, text) for text in widest) + size * 9 > width:
             size -= 1
         self._size, self._width = size, width
@@ -55,7 +56,8 @@ class HeadUp:
             shown.label,
             f"{shown.time[sample]:6.2f} s",
             f"cycle {shown.cycle[sample]:>3d}",
-            _signed(f"motor torque² {found} (best {-100 * best:+.1f} %)"),
+            # A minus as wide as a plus, so that lines stand still.
+            f"motor torque² {found} (best {-100 * best:+.1f} %)".replace("-", "−"),
             f"tracking error {1e3 * shown.error(sample):6.2f} mm",
         ]
 
@@ -69,28 +71,29 @@ class Legend:
     """
 
     def __init__(self, options: RenderOptions, width: int) -> None:
-        items: list[tuple[tuple[str, ...], str]] = []
-        if options.path:
-            items.append(((options.ink, "", options.ink), "desired path"))
-        if options.trail:
-            items.append(((MEASURED,), "tool"))
-        if options.springs:
-            ramp = (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
-            items.append((ramp, "spring torque −, 0, +; thick: the stiffest, dashed: k < 0"))
-            items.append(((options.ink,), "equilibrium"))
-        if options.motors:
-            items.append(((MOTOR,), "motor torque; 3/4 turn: the most without springs"))
-        if not options.legend:
-            items.clear()
+        ink, ramp = options.ink, (SPRING_NEGATIVE, SPRING_ZERO, SPRING_POSITIVE)
+        spring = "spring torque −, 0, +; thick: the stiffest, dashed: k < 0"
+        there = (
+            (options.path, (ink, "", ink), "desired path"),
+            (options.trail, (MEASURED,), "tool"),
+            (options.springs, ramp, spring),
+            (options.springs, (ink,), "equilibrium"),
+            (options.motors, (MOTOR,), "motor torque; 3/4 turn: the most without springs"),
+        )
+        items = [(colours, text) for wanted, colours, text in there if wanted and options.legend]
+
+        def long(size: int) -> float:
+            texts = ((len(colours), _font(size).getlength(text)) for colours, text in items)
+            return sum(size * (0.7 * swatches + 1.8) + text for swatches, text in texts)
+
         size = max(8, round(options.size[1] / 52))
-        while size > 8 and _line(size, items) > width:
+        while size > 8 and long(size) > width:
             size -= 1
-        line = Image.new("RGBA", (width, round(1.7 * size) if items else 0), (0, 0, 0, 0))
-        pen = ImageDraw.Draw(line)
-        x, y = 0.8 * size, line.height / 2
-        if items:
-            paper = (*(round(255 * part) for part in rgb(options.paper)), 175)
-            pen.rectangle((0, 0, min(_line(size, items), width), line.height), fill=paper)
+        self.height = round(1.7 * size) if items else 0
+        line = Image.new("RGBA", (width, self.height), (0, 0, 0, 0))
+        pen, x, y = ImageDraw.Draw(line), 0.8 * size, self.height / 2
+        paper = (*ImageColor.getrgb(options.paper), 175)
+        pen.rectangle((0, 0, min(long(size), width), self.height), fill=paper)
         for colours, text in items:
             for shade in colours:
                 if shade:
@@ -99,9 +102,8 @@ class Legend:
                     box = (x, y - 0.2 * size, x + 0.7 * size, y + 0.2 * size)
                     pen.rectangle(box, fill=shade, outline=edge)
                 x += 0.7 * size
-            pen.text((x + 0.4 * size, y), text, options.ink, font=_font(size), anchor="lm")
+            pen.text((x + 0.4 * size, y), text, ink, font=_font(size), anchor="lm")
             x += _font(size).getlength(text) + 1.8 * size
-        self.height = line.height
         drawn = np.asarray(line).astype(np.uint16)
         self._alpha = drawn[..., 3:]
         self._colour = drawn[..., :3] * self._alpha
@@ -112,17 +114,6 @@ class Legend:
         behind = foot[..., :3] * (255 - self._alpha)
         foot[..., :3] = (behind + self._colour) // 255
         np.maximum(foot[..., 3:], self._alpha.astype(np.uint8), out=foot[..., 3:])
-
-
-def _line(size: int, items: list[tuple[tuple[str, ...], str]]) -> float:
-    """Width of the legend [pixels]."""
-    font = _font(size)
-    return sum(size * (0.7 * len(c) + 1.8) + font.getlength(text) for c, text in items)
-
-
-def _signed(text: str) -> str:
-    """A minus as wide as a plus, so that lines stand still."""
-    return text.replace("-", "−")
 
 
 @cache

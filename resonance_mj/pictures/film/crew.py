@@ -6,22 +6,20 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from pathlib import Path
 
 from ...errors import PictureError
-from . import frame_data, gl, render_model
-from .drawing_process import BROKEN, READY, WRONG, Job
-from .frame_data import FrameData
+from . import gl
+from .drawing_process import BROKEN, READY, WRONG
+from .frame_data import FrameData, scales
+from .frames import Part, PlotPicture
 from .options import RenderOptions
-from .plot_picture import PlotPicture
+from .surroundings import prepare
 
 
 def cores() -> int:
     """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
@@ -48,42 +46,23 @@ def drawn(
     if workers is not None and workers < 1:
         raise PictureError(f"workers = {workers}: there must be at least 1")
     height = options.size[1] - options.plots_height
-    sizes = ((right - left, height) for left, right in options.columns(len(taken)))
-    job = Job(
-        shown=taken,
-        models=tuple(
-            render_model.prepare(one, options, size, note)
-            for one, size in zip(taken, sizes, strict=True)
-        ),
-        plots=below,
-        options=options,
-        scales=frame_data.scales(taken),
-        frames=range(len(taken[0].sample)),
+    parts = tuple(
+        Part(one, *prepare(one, options, (right - left, height), note), scale, plots, left, right)
+        for one, (left, right), scale, plots in zip(
+            taken, options.columns(len(taken)), scales(taken), below, strict=True
+        )
     )
+    frames = range(len(taken[0].sample))
+    count = min(workers or cores(), len(frames))
     pixels = memoryview(bytearray(options.channels * options.size[0] * options.size[1]))
-    count = min(workers or cores(), len(job.frames))
-    with _crew(job, count) as crew:
-
-        def each() -> Iterator[memoryview]:
-            for frame in job.frames:
-                _read(crew[frame % count], pixels)
-                yield pixels
-
-        yield each()
-
-
-@contextmanager
-def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
-    """Processes that draw every `count`-th frame each, with the first OpenGL that works."""
     tried: dict[str, str] = {}
     for backend in gl.backends():
-        crew = [
-            _start(replace(job, frames=job.frames[i::count]), backend, count) for i in range(count)
-        ]
+        jobs = [(parts, options, frames[i::count]) for i in range(count)]
+        crew = [_started(job, backend, count) for job in jobs]
         try:
             answers = [_line(process) for process in crew]
             if all(answer == READY for answer in answers):
-                yield crew
+                yield (_filled(pixels, crew[frame % count]) for frame in frames)
                 return
             answer = next(answer for answer in answers if answer != READY)
             kind, _, reason = answer.partition(": ")
@@ -92,20 +71,12 @@ def _crew(job: Job, count: int) -> Iterator[list[subprocess.Popen[bytes]]]:
             tried[backend or "default"] = reason
         finally:
             for process in crew:
-                process.kill()
-                _close(process)
+                with process:
+                    process.kill()
     raise PictureError(gl.missing(tried))
 
 
-def _close(process: subprocess.Popen[bytes]) -> None:
-    for pipe in (process.stdin, process.stdout):
-        # What was not sent to a process that has ended is not missed.
-        with suppress(BrokenPipeError):
-            pipe.close()  # type: ignore[union-attr]
-    process.wait()
-
-
-def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]:
+def _started(job: tuple[object, ...], backend: str | None, count: int) -> subprocess.Popen[bytes]:
     # What stands in the working folder is not ours: -P keeps it off the path, where we are put.
     path = filter(None, (str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path)}
@@ -121,9 +92,8 @@ def _start(job: Job, backend: str | None, count: int) -> subprocess.Popen[bytes]
     )
     assert process.stdin is not None
     # A process that has ended already says why.
-    with suppress(BrokenPipeError):
-        pickle.dump(job, process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
-        process.stdin.flush()
+    with suppress(BrokenPipeError), process.stdin as pipe:
+        pickle.dump(job, pipe, protocol=pickle.HIGHEST_PROTOCOL)
     return process
 
 
@@ -132,12 +102,8 @@ def _line(process: subprocess.Popen[bytes]) -> str:
     return process.stdout.readline().decode(errors="replace").strip() or "the process ended"
 
 
-def _read(process: subprocess.Popen[bytes], pixels: memoryview) -> None:
-    """Fill `pixels` with the next frame of a process."""
-    assert process.stdout is not None
-    done = 0
-    while done < len(pixels):
-        got = process.stdout.readinto(pixels[done:])  # type: ignore[attr-defined]
-        if not got:
-            raise PictureError(f"a process that draws ended with status {process.wait()}")
-        done += got
+def _filled(pixels: memoryview, process: subprocess.Popen[bytes]) -> memoryview:
+    """The buffer with the next frame of a process."""
+    if process.stdout.readinto(pixels) < len(pixels):  # type: ignore[union-attr]
+        raise PictureError(f"a process that draws ended with status {process.wait()}")
+    return pixels

@@ -13,6 +13,8 @@ from ...experiments.sections import Robot
 from ...springs import spring as springs
 
 if TYPE_CHECKING:
+    from ...experiments.experiment import Experiment
+    from ...plan.plan import Plan
     from ...results.run import Run
 
 SLACK = 1e-6
@@ -32,7 +34,6 @@ class FrameData:
         sample: index of each frame's sample (F,).
         time: of each sample (N,) [s].
         cycle: number of each sample's cycle, from 1 (N,).
-        first: index of the first sample of each sample's cycle (N,).
         period: samples in a whole cycle at each sample (N,).
         q: joint angles (N, n) [rad].
         x: position of the tool (N, m) [m].
@@ -54,7 +55,6 @@ class FrameData:
     sample: np.ndarray
     time: np.ndarray
     cycle: np.ndarray
-    first: np.ndarray
     period: np.ndarray
     q: np.ndarray
     x: np.ndarray
@@ -101,12 +101,8 @@ def scale_of(stiffness: np.ndarray, torque: np.ndarray, slides: np.ndarray) -> S
         torque: greatest of motor and spring together (n,) [N m].
         slides: which joints slide (n,).
     """
-    slide = np.asarray(slides, bool)
-
-    def greatest(of: np.ndarray) -> np.ndarray:
-        return np.where(slide, (of * slide).max(), (of * ~slide).max()) + 1e-9
-
-    return Scale(greatest(stiffness), greatest(torque))
+    slide, each = np.asarray(slides, bool), (stiffness, torque)
+    return Scale(*(np.where(slide, (v * slide).max(), (v * ~slide).max()) + 1e-9 for v in each))
 
 
 def scale(taken: Sequence[FrameData]) -> Scale:
@@ -142,16 +138,14 @@ def span(run: Run, start: float | str | None, stop: float | str | None) -> tuple
     Raises:
         PictureError: it is no span, or not in the run.
     """
-    ends = _cycle_ends(run)
-    time = run.data["time"].values
+    name, dt = run.experiment.name, run.experiment.simulation.timestep
+    ends, time = cycle_ends(run.experiment), run.data["time"].values
     if not len(time):
-        raise PictureError(f"{run.experiment.name}: the run has no samples to show")
-    last = float(time[-1]) + run.experiment.simulation.timestep
-    low = 0.0 if start is None else _seconds(start, ends, run, 1)
-    high = last if stop is None else _seconds(stop, ends, run, 0)
-    name = run.experiment.name
-    slack = SLACK * run.experiment.simulation.timestep
-    if not (-slack <= low and high <= last + slack):
+        raise PictureError(f"{name}: the run has no samples to show")
+    last = float(time[-1]) + dt
+    low = 0.0 if start is None else _seconds(start, name, np.append(0.0, ends[:-1]))
+    high = last if stop is None else _seconds(stop, name, ends)
+    if not (-SLACK * dt <= low and high <= last + SLACK * dt):
         raise PictureError(
             f"{name}: from {low:g} s to {high:g} s is not within the run, which lasts from 0 to "
             f"{last:g} s (cycles 1c to {len(ends)}c)"
@@ -177,7 +171,9 @@ def times(runs: tuple[Run, ...], low: float, high: float, step: float, given: bo
     """
     wanted = low + step * np.arange(max(1, round((high - low) / step)))
     for run in runs:
-        there = _kept(run, wanted)
+        time, dt = run.data["time"].values, run.experiment.simulation.timestep
+        at = _last_before(wanted, time, dt)
+        there = (at >= 0) & (wanted - time[at] < (1 - SLACK) * dt)
         if given and not there.all():
             raise PictureError(
                 f"{run.experiment.name}: no samples were kept at {wanted[~there][0]:g} s; the run "
@@ -198,11 +194,9 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         wanted: times of the frames (F,) [s], as from `times`.
         label: what the picture calls it.
     """
-    data = run.data
+    data, dt = run.data, run.experiment.simulation.timestep
     longest = float(data["period"].max())
-    after, before = wanted[0] - longest, wanted[-1] + longest
-    inside = np.flatnonzero((data["time"].values >= after) & (data["time"].values <= before))
-    part = data.isel(time=slice(int(inside[0]), int(inside[-1]) + 1))
+    part = data.sel(time=slice(wanted[0] - longest, wanted[-1] + longest))
     time, cycle = part["time"].values, part["cycle_of_sample"].values
     position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
     segment = part["segment_of_sample"].values - 1
@@ -213,60 +207,82 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
     of = np.concatenate([[0], data["segment_of_cycle"].values])
     last = np.clip(cycle - 1, 0, len(reduction) - 1)
     best = np.array([motion.torque_reduction_optimal for motion in run.motions])
-    dt = run.experiment.simulation.timestep
     return FrameData(
         label=label,
         robot=run.experiment.robot,
         joints=tuple(str(name) for name in data["joint"].values),
         slides=data["slides"].values,
         axes=tuple("xyz".index(str(data["axis"].values[i])) for i in position),
-        sample=np.searchsorted(time, wanted + SLACK * dt, side="right") - 1,
+        sample=_last_before(wanted, time, dt),
         time=time,
         cycle=cycle,
-        first=np.searchsorted(cycle, cycle),
         period=np.round(data["period"].values[segment] / dt).astype(int),
-        q=part["q"].values,
         x=part["x"].values[:, position],
         x_desired=part["x_desired"].values[:, position],
-        **{name: part[name].values for name in ("stiffness", "offset", "center", "tau")},
+        **{name: part[name].values for name in ("q", "stiffness", "offset", "center", "tau")},
         reduction=np.where(of[last] == segment + 1, reduction[last], np.nan),
         best=best[segment],
     )
 
 
-def _cycle_ends(run: Run) -> np.ndarray:
-    """When each cycle of the experiment ends [s]."""
+def planned(one: Plan, cycle: int) -> FrameData:
+    """A cycle of the run, counted from 0, as it should be: the desired motion, and no torque."""
+    segment = one.schedule[cycle]
+    steps, dt = one.steps(segment), one.experiment.simulation.timestep
+    axes = tuple("xyz".index(axis) for axis in one.robot.position_axes)
+    none = np.zeros((4, steps, one.robot.n))
+    x = one.desired(cycle).x[:, : len(axes)]
+    return FrameData(
+        label=one.experiment.name,
+        robot=one.experiment.robot,
+        joints=one.robot.joints,
+        slides=one.robot.slides,
+        axes=axes,
+        sample=np.arange(steps),
+        time=(sum(map(one.steps, one.schedule[:cycle])) + np.arange(steps)) * dt,
+        cycle=np.full(steps, cycle + 1),
+        period=np.full(steps, steps),
+        q=one.joints[segment].q.copy(),
+        x=x.copy(),
+        x_desired=x.copy(),
+        stiffness=none[0],
+        offset=none[1],
+        center=none[2],
+        tau=none[3],
+        reduction=np.full(steps, np.nan),
+        best=np.full(steps, one.optima[segment].torque_reduction),
+    )
+
+
+def cycle_ends(experiment: Experiment) -> np.ndarray:
+    """When each cycle of an experiment ends (C,) [s]."""
     parts, begin = [], 0.0
-    for motion in run.experiment.motion:
+    for motion in experiment.motion:
         parts.append(begin + motion.period * np.arange(1, motion.cycles + 1))
         begin += motion.duration
     return np.concatenate(parts)
 
 
-def _seconds(value: float | str, ends: np.ndarray, run: Run, back: int) -> float:
-    """A time of the run [s]; of a cycle, its end, or that of so many before it."""
+def _seconds(value: float | str, name: str, cycles: np.ndarray) -> float:
+    """A time of the run of this name [s]; that of a cycle is in `cycles`."""
     try:
-        if isinstance(value, str) and value.endswith("c"):
-            number = int(value[:-1])
-            if not 1 <= number <= len(ends):
-                raise PictureError(
-                    f"{run.experiment.name}: there is no cycle {number}: the run's cycles are 1c "
-                    f"to {len(ends)}c"
-                )
-            return float(np.concatenate([[0.0], ends])[number - back])
-        seconds = float(value)
-        if np.isfinite(seconds):
-            return seconds
+        if not (isinstance(value, str) and value.endswith("c")):
+            if np.isfinite(seconds := float(value)):
+                return seconds
+        elif 1 <= (number := int(value[:-1])) <= len(cycles):
+            return float(cycles[number - 1])
+        else:
+            raise PictureError(
+                f"{name}: there is no cycle {number}: the run's cycles are 1c to {len(cycles)}c"
+            )
     except ValueError:
         pass
     raise PictureError(f"{value!r} is no time: give seconds, such as 8, or a cycle, such as 8c")
 
 
-def _kept(run: Run, wanted: np.ndarray) -> np.ndarray:
-    """At which of some times the run has a sample."""
-    time, dt = run.data["time"].values, run.experiment.simulation.timestep
-    at = np.searchsorted(time, wanted + SLACK * dt, side="right") - 1
-    return (at >= 0) & (wanted - time[at] < (1 - SLACK) * dt)
+def _last_before(wanted: np.ndarray, time: np.ndarray, dt: float) -> np.ndarray:
+    """Index of the last sample at or before each of some times; -1 for none."""
+    return np.searchsorted(time, wanted + SLACK * dt, side="right") - 1
 
 
 def _listed(cycles: np.ndarray) -> str:

@@ -4,12 +4,6 @@ import os
 import sys
 from collections.abc import Mapping
 
-INSTALL = (
-    "install one: Debian or Ubuntu `apt install libegl1 libgl1`, Fedora `dnf install "
-    "mesa-libEGL mesa-libGL`; macOS needs no package but a session with a display"
-)
-
-
 KEPT = "RESONANCE_MJ_GIVEN_GL"
 """Where the user's MUJOCO_GL is in the environment of a process that draws nothing itself."""
 
@@ -46,7 +40,11 @@ def missing(tried: Mapping[str, str]) -> str:
     Args:
         tried: what each backend said.
     """
-    reasons = "; ".join(f"{name}: {reason}" for name, reason in tried.items())
+    reasons = [f"{name}: {reason}" for name, reason in tried.items()]
     if given():
-        reasons += "; MUJOCO_GL was set by you: unset it to have egl and osmesa tried"
-    return f"no OpenGL that draws without a display was found ({reasons}); {INSTALL}"
+        reasons.append("MUJOCO_GL was set by you: unset it to have egl and osmesa tried")
+    return (
+        f"no OpenGL that draws without a display was found ({'; '.join(reasons)}); install one: "
+        "Debian or Ubuntu `apt install libegl1 libgl1`, Fedora `dnf install mesa-libEGL "
+        "mesa-libGL`; macOS needs no package but a session with a display"
+    )

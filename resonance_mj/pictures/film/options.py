@@ -64,28 +64,20 @@ class RenderOptions:
         return 4 if self.background == "transparent" else 3
 
     @property
-    def dark(self) -> bool:
-        """Whether what is drawn must be light."""
-        return self.background == "dark"
-
-    @property
     def ink(self) -> str:
         """Colour of text and lines."""
-        return "#F2F2F2" if self.dark else "#1A1A1A"
+        return "#F2F2F2" if self.background == "dark" else "#1A1A1A"
 
     @property
     def paper(self) -> str:
         """Colour behind the plots."""
-        return "#16181C" if self.dark else "#FFFFFF"
+        return "#16181C" if self.background == "dark" else "#FFFFFF"
 
     @property
     def view(self) -> tuple[float, float, float] | None:
         """Azimuth and elevation [degrees] and distance [m] of a free camera."""
-        parts = (self.camera or "").split(",")
-        if len(parts) != 3:
-            return None
         try:
-            azimuth, elevation, distance = (float(part) for part in parts)
+            azimuth, elevation, distance = map(float, (self.camera or "").split(","))
         except ValueError:
             return None
         if not (max(abs(azimuth), abs(elevation)) <= 360 and 1e-3 <= distance <= 1e6):
@@ -109,9 +101,3 @@ class RenderOptions:
                 f"{max(width // runs - GAP, 0)} columns each: {LEAST} are needed"
             )
         return [(i * width // runs, (i + 1) * width // runs - GAP) for i in range(runs)]
-
-
-def rgb(colour: str) -> tuple[float, float, float]:
-    """Red, green and blue from 0 to 1 of a colour such as "#0072B2"."""
-    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
-    return red, green, blue

@@ -6,13 +6,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from PIL import ImageColor
 
 from ...results.run import Run
 from ..figures.style import styled
 from ..palette import MEASURED, MUTED, OPTIMAL
+from .frame_data import cycle_ends
+from .frames import PlotPicture
 from .options import RenderOptions
-from .plot_picture import PlotPicture
 
 
 def pictures(runs: tuple[Run, ...], options: RenderOptions) -> tuple[PlotPicture | None, ...]:
@@ -50,91 +53,92 @@ def draw(run: Run, options: RenderOptions, width: int) -> PlotPicture:
         "ytick.major.size": 3,
     }
     with styled(style):
-        before, panels = _plots(run, options, (width, height), size, 1.0)
-        after, _ = _plots(run, options, (width, height), size, 0.22)
-    end = float(run.data["end"].values[-1])
-    ink = np.array([int(options.ink[i : i + 2], 16) for i in (1, 3, 5)], np.uint8)
-    return PlotPicture(before, after, panels, (0.0, end), ink)
+        figure = Figure(figsize=(width / 72, height / 72), dpi=72)
+        canvas, drawn = FigureCanvasAgg(figure), []
+        measured = _plots(figure, run, width, height, size)
+        for strength in (1.0, 0.22):
+            for line in measured:
+                line.set_alpha(strength)
+            canvas.draw()
+            drawn.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+        boxes = [ax.get_window_extent() for ax in figure.axes]
+    panels = tuple(
+        (round(height - b.y1), round(height - b.y0), round(b.x0) + 1, round(b.x1)) for b in boxes
+    )
+    ink = np.array(ImageColor.getrgb(options.ink), np.uint8)
+    before, after = drawn
+    return PlotPicture(before, after, panels, (0.0, float(run.data["end"].values[-1])), ink)
 
 
-def _plots(
-    run: Run, options: RenderOptions, pixels: tuple[int, int], size: float, strength: float
-) -> tuple[np.ndarray, tuple[tuple[int, int, int, int], ...]]:
-    width, height = pixels
-    figure = Figure(figsize=(width / 72, height / 72), dpi=72)
-    canvas = FigureCanvasAgg(figure)
+def _plots(figure: Figure, run: Run, width: int, height: int, size: float) -> list[Line2D]:
+    """Draw the plots in a font of so many pixels; the lines of what was measured."""
     joints = run.data.sizes["joint"]
     columns = joints if joints <= 3 else -(-joints // 2)
     rows = -(-joints // columns)
     gap, line = 3.6 * size / width, 1.5 * size / height
     share = 0.4 if columns <= 2 else 0.3
-    right = 1 - 0.8 * size / width
-    axes = [figure.add_axes((gap, 1.9 * line, share - gap - 0.02, 1 - 3.1 * line))]
-    each = (right - share) / columns
+    each = (1 - 0.8 * size / width - share) / columns
     tall = (1 - 0.9 * line) / rows
+    ax = figure.add_axes((gap, 1.9 * line, share - gap - 0.02, 1 - 3.1 * line))
+    measured = _torque_squared(ax, run, roomy=(share - gap) * width > 26 * size)
     for j in range(joints):
         row, column = divmod(j, columns)
-        bottom = 1 - 0.0 * line - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
-        axes.append(
-            figure.add_axes((share + column * each + gap, bottom, each - gap, tall - 2.15 * line))
-        )
-    _torque_squared(axes[0], run, strength, roomy=(share - gap) * width > 26 * size)
-    for j, ax in enumerate(axes[1:]):
-        _stiffness(ax, run, j, strength)
+        bottom = 1 - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
+        box = (share + column * each + gap, bottom, each - gap, tall - 2.15 * line)
+        measured += _stiffness(ax := figure.add_axes(box), run, j)
         if j < joints - columns:
             ax.set_xticklabels([])
-    canvas.draw()
-    picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
-    boxes = [ax.get_window_extent() for ax in axes]
-    panels = tuple(
-        (round(height - b.y1), round(height - b.y0), round(b.x0) + 1, round(b.x1)) for b in boxes
-    )
-    return picture, panels
+    return measured
 
 
-def _torque_squared(ax: Axes, run: Run, strength: float, roomy: bool) -> None:
+def _torque_squared(ax: Axes, run: Run, roomy: bool) -> list[Line2D]:
     data = run.data
-    ends, begin = [], 0.0
-    for motion in run.experiment.motion:
-        ends.append(begin + motion.period * np.arange(1, motion.cycles + 1))
-        begin += motion.duration
-    time = np.concatenate(ends)[: data.sizes["cycle"]]
-    squared = data["torque_squared"].values
     starts, stops = data["start"].values, data["end"].values
-    ax.hlines(
-        data["torque_squared_without_springs"].values, starts, stops, color=MUTED, linestyle=":"
-    )
-    ax.hlines(data["torque_squared_optimal"].values, starts, stops, color=OPTIMAL, linestyle="--")
-    ax.plot(time, squared, color=MEASURED, linewidth=2, alpha=strength, marker="o", markersize=3)
+    without = data["torque_squared_without_springs"].values
+    best = data["torque_squared_optimal"].values
+    ax.hlines(without, starts, stops, color=MUTED, linestyle=":")
+    ax.hlines(best, starts, stops, color=OPTIMAL, linestyle="--")
+    time = cycle_ends(run.experiment)[: data.sizes["cycle"]]
+    squared = data["torque_squared"].values
+    measured = ax.plot(time, squared, color=MEASURED, linewidth=2, marker="o", markersize=3)
     ax.set_yscale("log")
     ax.set_title("motor torque² [N² m²]")
     if roomy:
-        _beside_title(ax, {"optimum": OPTIMAL, "no springs": MUTED})
+        # What the lines are, in their colours, at the right of the title.
+        for at, text, colour in ((-8.2, "- - optimum", OPTIMAL), (0, "··· no springs", MUTED)):
+            ax.annotate(
+                text,
+                (1.0, 1.0),
+                xytext=(at, 0.35),
+                xycoords="axes fraction",
+                textcoords="offset fontsize",
+                ha="right",
+                va="bottom",
+                color=colour,
+            )
     ax.yaxis.set_major_locator(LogLocator(numticks=5))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_minor_locator(NullLocator())
     _time_axis(ax, float(stops[-1]))
     ax.set_xlabel("time [s]", labelpad=0)
+    return measured
 
 
-def _stiffness(ax: Axes, run: Run, j: int, strength: float) -> None:
+def _stiffness(ax: Axes, run: Run, j: int) -> list[Line2D]:
     data = run.data.isel(joint=j)
-    keep = slice(None, None, max(1, data.sizes["time"] // 1500))
-    ends = data["end"].values
-    ax.hlines(
-        data["stiffness_optimal"].values, data["start"].values, ends, color=OPTIMAL, linestyle="--"
-    )
+    ends, keep = data["end"].values, slice(None, None, max(1, data.sizes["time"] // 1500))
+    best = data["stiffness_optimal"].values
+    ax.hlines(best, data["start"].values, ends, color=OPTIMAL, linestyle="--")
     time, k = data["time"].values[keep], data["stiffness"].values[keep]
-    ax.plot(time, k, color=MEASURED, linewidth=2, alpha=strength)
-    unit = "N/m" if int(data["slides"]) else "N m/rad"
-    few = run.data.sizes["joint"] <= 3
-    title = f"k {data['joint'].item()} [{unit}]"
+    measured = ax.plot(time, k, color=MEASURED, linewidth=2)
+    title = f"k {data['joint'].item()} [{'N/m' if int(data['slides']) else 'N m/rad'}]"
     if 0.6 * len(title) * float(ax.title.get_fontsize()) > ax.bbox.width:
         title = title.partition(" [")[0]
     ax.set_title(title)
-    ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if run.data.sizes["joint"] <= 3 else 2))
     _ordinate(ax, run, j)
     _time_axis(ax, float(ends[-1]))
+    return measured
 
 
 def _ordinate(ax: Axes, run: Run, j: int) -> None:
@@ -147,21 +151,6 @@ def _ordinate(ax: Axes, run: Run, j: int) -> None:
     high = max(high, low + least, low + 1e-9)
     margin = 0.08 * (high - low)
     ax.set_ylim(low - margin, high + margin)
-
-
-def _beside_title(ax: Axes, entries: dict[str, str]) -> None:
-    """What the lines are, in their colours, at the right of the title."""
-    for index, (text, colour) in enumerate(reversed(entries.items())):
-        ax.annotate(
-            ("- - " if colour == OPTIMAL else "··· ") + text,
-            (1.0, 1.0),
-            xytext=(-8.2 * index, 0.35),
-            xycoords="axes fraction",
-            textcoords="offset fontsize",
-            ha="right",
-            va="bottom",
-            color=colour,
-        )
 
 
 def _time_axis(ax: Axes, end: float) -> None:

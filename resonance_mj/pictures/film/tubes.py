@@ -5,34 +5,31 @@ import numpy as np
 SIDES = 8
 """Corners of a tube's cross-section."""
 
-_AROUND = 2 * np.pi * np.arange(SIDES) / SIDES
-_COS, _SIN = np.cos(_AROUND)[:, None], np.sin(_AROUND)[:, None]
+_AROUND = 2 * np.pi * np.arange(SIDES)[:, None] / SIDES
 
 
 def faces(rings: int) -> np.ndarray:
     """Triangles (·, 3) between the vertices of a tube of so many rings."""
-    ring, side = np.meshgrid(np.arange(rings - 1), np.arange(SIDES), indexing="ij")
-    a = ring * SIDES + side
-    b = ring * SIDES + (side + 1) % SIDES
-    first = np.stack([a, b, b + SIDES], axis=-1)
-    second = np.stack([a, b + SIDES, a + SIDES], axis=-1)
-    return np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
+    a = np.arange((rings - 1) * SIDES)
+    b = a - a % SIDES + (a + 1) % SIDES
+    corners = (a, b, b + SIDES), (a, b + SIDES, a + SIDES)
+    return np.concatenate([np.stack(three, axis=1) for three in corners])
 
 
-def tube(points: np.ndarray, radius: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def tube(points: np.ndarray, radius: np.ndarray, normal: np.ndarray | None = None) -> np.ndarray:
     """Vertices (M · SIDES, 3) of a tube around a curve.
 
     Args:
         points: of the curve (M, 3) [m].
         radius: of the tube at each (M,) [m]; 0 leaves the curve out there.
-        normal: a direction that the curve nowhere runs along (3,).
+        normal: a direction that the curve nowhere runs along (3,); that in which it is flattest.
     """
-    along = np.empty_like(points)
-    along[1:-1] = points[2:] - points[:-2]
-    along[0], along[-1] = points[1] - points[0], points[-1] - points[-2]
+    if normal is None:
+        normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][-1]
+    along = np.gradient(points, axis=0)
     u = _unit(np.cross(along, normal))
     v = _unit(np.cross(along, u))
-    ring = _COS * u[:, None, :] + _SIN * v[:, None, :]
+    ring = np.cos(_AROUND) * u[:, None, :] + np.sin(_AROUND) * v[:, None, :]
     return (points[:, None, :] + radius[:, None, None] * ring).reshape(-1, 3)
 
 
@@ -67,5 +64,4 @@ def perpendicular(axis: np.ndarray) -> np.ndarray:
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
-    return vectors / np.maximum(length, 1e-12)
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)

@@ -6,6 +6,14 @@ from collections.abc import Callable
 
 SLACK = 1e-6
 """Share of a time step by which a time may fall short of it."""
+PAUSE, RESTART = 32, 259
+FASTER, SLOWER = (265, 61, 334), (264, 45, 333)
+"""Keys by GLFW's numbers: Space, Backspace; Up, the key that has + and + of the number pad; Down
+and the two with -."""
+KEYS_HELP = (
+    "Keys in the window: Space pauses and goes on, Up and + double the speed, Down and - halve it, "
+    "Backspace begins again, F1 lists MuJoCo's own"
+)
 
 
 class Clock:
@@ -35,48 +43,13 @@ class Clock:
         """Go on from some second of the run."""
         self._from, self._since = seconds, self._now()
 
-    def pause(self) -> None:
-        """Stop, or go on."""
-        self.go_on_at(self.seconds)
-        self.paused = not self.paused
-
-    def faster(self, factor: float = 2.0) -> None:
-        """Go on at so many times the speed."""
-        self.go_on_at(self.seconds)
-        self.speed *= factor
-
-    def slower(self) -> None:
-        """Go on at half the speed."""
-        self.faster(0.5)
-
-    def restart(self) -> None:
-        """Begin again."""
-        self.go_on_at(0.0)
-        self.starts += 1
-
     def steps(self, timestep: float) -> int:
         """Whole time steps [s] that have passed."""
         return math.floor(self.seconds / timestep + SLACK)
 
     def press(self, key: int) -> None:
-        """Do what a key asks for; keys that are not in `KEYS` are MuJoCo's own."""
-        if key in KEYS:
-            KEYS[key](self)
-
-
-KEYS: dict[int, Callable[[Clock], None]] = {
-    32: Clock.pause,  # Space
-    265: Clock.faster,  # Up
-    61: Clock.faster,  # the key that has +
-    334: Clock.faster,  # + of the number pad
-    264: Clock.slower,  # Down
-    45: Clock.slower,  # -
-    333: Clock.slower,  # - of the number pad
-    259: Clock.restart,  # Backspace
-}
-"""What keys do, by GLFW's numbers."""
-
-KEYS_HELP = (
-    "Keys in the window: Space pauses and goes on, Up and + double the speed, Down and - halve it, "
-    "Backspace begins again, F1 lists MuJoCo's own"
-)
+        """Do what a key asks for; the others are MuJoCo's own."""
+        self.go_on_at(0.0 if key == RESTART else self.seconds)
+        self.starts += key == RESTART
+        self.paused ^= key == PAUSE
+        self.speed *= 2.0 ** ((key in FASTER) - (key in SLOWER))

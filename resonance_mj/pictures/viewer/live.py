@@ -1,26 +1,34 @@
 """An experiment that is simulated while it is watched, in step with the clock."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from ...laws.memory import Memory
 from ...plan.plan import Plan
+from ...results.metrics import reduction, tracks
 from ...results.run import Run
 from ...simulation.simulation import simulate_plans
 from ...simulation.stepper import Alone
 from ...status import Status
+from ..film import frame_data
+from ..film.frame_data import FrameData, Scale, planned
 from ..film.options import RenderOptions
-from . import live_data
 from .clock import Clock
-from .live_data import LiveData
 from .window import Closed, Window
 
 PORTION = 64
 """Time steps between looks at the time, at most."""
 BEHIND = 0.5
 """How far a simulation may fall behind the clock, which waits then [s]."""
+OF_SAMPLES = (
+    *("time", "cycle", "period", "q", "x", "x_desired", "stiffness", "offset", "center", "tau"),
+    *("reduction", "best"),
+)
+"""What frame data have of each sample."""
 
 
 class Restarted(Exception):  # noqa: N818 (nothing went wrong)
@@ -32,23 +40,28 @@ class Watched(Alone):
 
     Args:
         models: the robot's model, in a list.
-        prepared: the experiment.
+        plan: of the experiment.
         window: where it is shown.
         clock: how far the run should be.
     """
 
     def __init__(
-        self, models: list[mujoco.MjModel], prepared: Plan, window: Window, clock: Clock
+        self, models: list[mujoco.MjModel], plan: Plan, window: Window, clock: Clock
     ) -> None:
         super().__init__(models)
-        self._window, self._clock, self._starts = window, clock, clock.starts
-        self._dt = prepared.experiment.simulation.timestep
-        self._memory = Memory(self.userdata, prepared.layout)
-        self._live = LiveData(prepared, self._memory)
-        self._cycle = self._taken = 0
+        self._plan, self._window, self._clock = plan, window, clock
+        self._starts, self._dt = clock.starts, plan.experiment.simulation.timestep
+        self._memory = Memory(self.userdata, plan.layout)
+        # The cycle that is simulated, as it is planned until then, behind the one before it.
+        self._shown, self._scale = planned(plan, 0), expected(plan, 0)
+        self._cycle = self._taken = self._begin = self._filled = 0
         # A payload's body is one that the window's copy of the arm does not have.
         bodies = np.arange(models[0].nbody)
-        self._bodies = bodies[bodies != prepared.robot.payload]
+        self._bodies = bodies[bodies != plan.robot.payload]
+
+    def simulate(self) -> Run:
+        """Simulate the experiment, with what `step` raises."""
+        return simulate_plans([self._plan], lambda models: self)[0]
 
     def step(self, robots: list[int], steps: int) -> None:
         """Advance the robot by a cycle of so many time steps.
@@ -57,7 +70,8 @@ class Watched(Alone):
             Closed: the window was closed.
             Restarted: the user wants the run from its beginning.
         """
-        self._live.begin(self._cycle)
+        if self._cycle:
+            self._go_on()
         done = 0
         while done < steps:
             failed = self._recorded(steps) < steps
@@ -67,18 +81,18 @@ class Watched(Alone):
                 super().step(robots, some)
                 done, self._taken = done + some, self._taken + some
             if some <= 0 or self._window.late:
-                self._live.fill(min(done, self._recorded(steps)))
+                self._fill(min(done, self._recorded(steps)))
                 self.show()
                 if due * self._dt > BEHIND * self._clock.speed:
                     self._clock.go_on_at(self._taken * self._dt)
-        self._live.fill(self._recorded(steps))
+        self._fill(self._recorded(steps))
         self._cycle += 1
 
     def show(self, state: str = "") -> None:
         """Show the last sample, and wait for the next frame; `state` is what the line adds."""
-        self._window.go_on(self._live.shown, self._live.scales, state)
-        self._window.show(self._live.sample)
-        self._window.wait()
+        sample = max(self._begin + self._filled - 1, 0)
+        # A copy: what has been filled in since the last frame is new to the window.
+        self._window.show(replace(self._shown), sample, self._scale, state)
         self.data.xfrc_applied[self._bodies] = self._window.pushes
         if self._clock.starts != self._starts:
             raise Restarted
@@ -88,9 +102,49 @@ class Watched(Alone):
         failed = int(self._memory.scalar("failed_step")[0])
         return failed - 1 if failed else steps
 
+    def _fill(self, steps: int) -> None:
+        """Take what was recorded in the first `steps` steps of the cycle."""
+        new = slice(self._filled, steps)
+        at = slice(self._begin + self._filled, self._begin + steps)
+        for name in ("q", "x", "tau", "stiffness", "offset"):
+            values = getattr(self._shown, name)
+            values[at] = self._memory.recorded(name, steps)[0, new, : values.shape[1]]
+        self._shown.center[at] = self._memory["q_c"][0]
+        self._filled = steps
+
+    def _go_on(self) -> None:
+        """Go on to the next cycle; the one before it has been filled."""
+        plan, motion = self._plan, self._plan.schedule[self._cycle]
+        part: Any = {name: getattr(self._shown, name)[self._begin :] for name in OF_SAMPLES}
+        before, now = replace(self._shown, **part), planned(plan, self._cycle)
+        # Springs that grow stiffer than the optimum's become what the thickest stands for.
+        scales = self._scale, expected(plan, motion), frame_data.scale([self._shown])
+        self._scale = Scale(*np.max(scales, axis=0))
+        if motion == plan.schedule[self._cycle - 1]:
+            without = plan.optima[motion].torque_squared_without_springs
+            off = np.sqrt(((before.x - before.x_desired) ** 2).sum(axis=1).mean())
+            if tracks(off, np.ptp(before.x_desired, axis=0).max()):
+                now.reduction[:] = reduction((before.tau**2).sum(axis=1).mean(), without)
+        self._shown, self._begin, self._filled = joined([before, now]), len(before.time), 0
+
+
+def joined(parts: Sequence[FrameData]) -> FrameData:
+    """Parts of one arm's run, one after the other."""
+    whole: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in OF_SAMPLES
+    }
+    return replace(parts[-1], sample=np.arange(len(whole["time"])), **whole)
+
+
+def expected(plan: Plan, motion: int) -> Scale:
+    """The overlays' scale while nothing is known: the best springs, and the torque without any."""
+    best = plan.optima[motion]
+    needed = np.abs(best.torque_without_springs).max(axis=0)
+    return frame_data.scale_of(np.abs(best.stiffness), needed, plan.robot.slides)
+
 
 def live(
-    prepared: Plan,
+    plan: Plan,
     options: RenderOptions,
     clock: Clock,
     once: bool,
@@ -100,7 +154,7 @@ def live(
     """Simulate an experiment in a window, until the window is closed.
 
     Args:
-        prepared: the experiment.
+        plan: of the experiment.
         options: camera, background and what is drawn.
         clock: how fast.
         once: close the window when the run ends.
@@ -111,14 +165,14 @@ def live(
         The last run that ended, None if there is none.
     """
     run: Run | None = None
-    with Window(
-        live_data.whole(prepared), options, live_data.expected(prepared, 0), clock, note
-    ) as window:
+    # A cycle of each motion as it should be: all that the run will come past.
+    whole = joined([planned(plan, plan.schedule.index(i)) for i in range(len(plan.joints))])
+    with Window(whole, options, clock, note) as window:
         while True:
             clock.go_on_at(0.0)
-            watched = Watched([prepared.robot.model], prepared, window, clock)
+            watched = Watched([plan.robot.model], plan, window, clock)
             try:
-                run = _simulate(prepared, watched)
+                run = watched.simulate()
                 ended(run)
                 while not once:
                     watched.show("the end" if run.status is Status.OK else str(run.status))
@@ -127,7 +181,3 @@ def live(
                 continue
             except Closed:
                 return run
-
-
-def _simulate(prepared: Plan, watched: Watched) -> Run:
-    return simulate_plans([prepared], lambda models: watched)[0]

@@ -1,10 +1,12 @@
 """A saved run, or an experiment as it is simulated, in MuJoCo's viewer."""
 
 from collections.abc import Callable
+from contextlib import suppress
 
 from ...errors import PictureError
 from ...experiments.experiment import Experiment
 from ...results.run import Run
+from ..film import frame_data
 from ..film.options import RenderOptions
 from . import display
 from .clock import KEYS_HELP, Clock
@@ -54,13 +56,22 @@ def view(
             f"{what.name}: a span is part of a saved run, and this is an experiment, which begins "
             "at its beginning"
         )
+    clock = Clock(speed)
     if isinstance(what, Run):
-        from .replay import replay, taken
-
-        shown = taken(what, start, stop)
+        low, high = frame_data.span(what, start, stop)
+        step = what.experiment.simulation.timestep
+        given = start is not None or stop is not None
+        times = frame_data.times((what,), low, high, step, given)
+        shown = frame_data.of_run(what, times, what.experiment.name)
+        scale = frame_data.scale([shown])
         display.check()
+        from .window import Closed, Window
+
         note(KEYS_HELP)
-        replay(what, shown, options, Clock(speed), once, note)
+        with Window(shown, options, clock, note) as window, suppress(Closed):
+            clock.go_on_at(0.0)
+            while (number := frame(clock.steps(step), len(times), once)) is not None:
+                window.show(shown, int(shown.sample[number]), scale)
         return what
     display.check()
     from ...callback.callback import refuse_another
@@ -71,7 +82,21 @@ def view(
     prepared = plan_for(what)
     for line in (*prepared.notes, KEYS_HELP):
         note(line)
-    return live(prepared, options, Clock(speed), once, ended, note)
+    return live(prepared, options, clock, once, ended, note)
+
+
+def frame(steps: int, frames: int, once: bool) -> int | None:
+    """Number of the frame to show.
+
+    Args:
+        steps: time steps that have passed since the start.
+        frames: how many there are, a time step apart.
+        once: whether they end, instead of beginning again.
+
+    Returns:
+        The number; None after the end.
+    """
+    return None if once and steps >= frames else steps % frames
 
 
 def _ignore(_: object) -> None:
