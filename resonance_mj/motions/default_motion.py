@@ -9,12 +9,11 @@ from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
 from ..experiments.sections import Springs
 from ..robots.reach import reach
-from ..robots.robot import Robot
-from ..robots.touching import UNFELT, touching
-from ..springs.optimum import best_springs
+from ..robots.touching import touching
 from ..text import length
 from . import motion as motions
-from .kinematics import TOLERANCE, JointMotion, Kinematics
+from .kinematics import TOLERANCE, Kinematics
+from .margins import GLANCE, LIMITS, lacks_margin, to_limit, too_heavy, touches
 from .singular import jerk
 
 SHARE = 0.15
@@ -32,26 +31,11 @@ POINTS = 48
 FINE = 20
 """How many times more where a size seems to fit: near a singular pose a joint moves suddenly."""
 
-GLANCE = 4
-"""Every so many of them are looked at first, which most sizes that are too large do not pass."""
-
-CONDITIONING = 0.5
-"""Least ratio of J's smallest to largest singular value, as a share of that at the center."""
-
-LIMITS = 0.05
-"""Least distance to a joint's limits, as a share of its range."""
-
 ASIDE = (0.1, 0.2, 0.3, 0.4)
 """How far from home another center is looked for, as shares of the reach."""
 
 ROOMY = 0.1
 """Least ratio of J's singular values at such a center."""
-
-CLEARANCE = 0.01
-"""Least distance between bodies that are not near each other anyway, as a share of the reach."""
-
-MOTORS = 0.7
-"""Most that the motors need with the best springs, as a share of their limits."""
 
 
 REACHED = 1e3 * TOLERANCE
@@ -192,7 +176,7 @@ def _beside(
             middle = _middle(candidate, kinematics, name)
             values = np.linalg.svd(kinematics.jacobian(middle), compute_uv=False)
             width = np.ptp(robot.model.jnt_range[robot.joint_id], axis=1)
-            inside = _to_limit(middle, robot) > LIMITS * width
+            inside = to_limit(middle, robot) > LIMITS * width
             free = not touching(robot.model, robot.qpos, robot.qpos_address, middle[None])
             if free and values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
                 return sized(candidate, kinematics, name, alpha_0, bounds)
@@ -228,7 +212,7 @@ def _obstacle(
     samples, q = motions.sample(motion, POINTS, robot), home
     for x in samples.x[::GLANCE]:
         q = kinematics.solve(x, q, iterations=30)
-        reason = _lacks_margin(q[None], middle, kinematics)
+        reason = lacks_margin(q[None], middle, kinematics)
         if reason:
             return reason
     for points in (POINTS, FINE * POINTS):
@@ -241,83 +225,11 @@ def _obstacle(
             return str(error).removeprefix(f"{name}: ")
         sudden = jerk(kinematics, followed)
         reason = (
-            _lacks_margin(followed.q, middle, kinematics)
+            lacks_margin(followed.q, middle, kinematics)
             or (f"it comes near a singular pose: {sudden.said(robot.joints)}" if sudden else "")
-            or _touches(followed.q, middle, robot)
-            or _too_heavy(followed, kinematics, motion.period, bounds)
+            or touches(followed.q, middle, robot)
+            or too_heavy(followed, kinematics, motion.period, bounds)
         )
         if reason:
             return reason
     return ""
-
-
-def _touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
-    """What touches or comes near at joint angles (N, n) and does not at `middle`; empty if nothing.
-
-    What is near in the middle may stay so, but not touch.
-    """
-    arm = robot.model, robot.qpos, robot.qpos_address
-    clearance = CLEARANCE * reach(robot)
-    near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
-    found = touching(*arm, q, clearance)
-    # A distance that is found within a clearance is 0 only to rounding: a few exact looks tell.
-    exact = touching(*arm, q[::GLANCE]) if near else []
-    for touch in (*exact, *(t for t in found if t.depth > UNFELT or t[:2] not in near)):
-        how = "" if touch.depth or touch in exact else ", or nearly so"
-        return f"{touch}{how} (robot.contacts = false lets bodies pass through each other)"
-    return ""
-
-
-def _too_heavy(
-    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Springs | None
-) -> str:
-    """Which motor is too weak for a joint motion even with the best springs; empty if none is."""
-    robot = kinematics.robot
-    best = best_springs(
-        joints.q,
-        kinematics.torque(joints),
-        center=joints.q.mean(axis=0),
-        period=period,
-        bounds=bounds or Springs(),
-    )
-    low, high = MOTORS * robot.torque_limit.T
-    least, most = best.torque.min(axis=0), best.torque.max(axis=0)
-    for j in np.flatnonzero((least < low) | (most > high)):
-        unit = "N" if robot.slides[j] else "N m"
-        return (
-            f"the motor of {robot.joints[j]} gives {low[j] / MOTORS:.3g} to "
-            f"{high[j] / MOTORS:.3g} {unit} and needs {least[j]:.3g} to {most[j]:.3g} {unit} even "
-            "with the best springs"
-        )
-    return ""
-
-
-def _lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> str:
-    """Why joint angles (N, n) come too near to a singular pose or a joint limit; empty if not."""
-    robot = kinematics.robot
-    J = np.array([kinematics.jacobian(angles) for angles in (middle, *q)])
-    values = np.linalg.svd(J, compute_uv=False)
-    usual, *ratios = values[:, -1] / values[:, 0]
-    worst = min(ratios)
-    if worst < CONDITIONING * usual:
-        return (
-            f"it comes near a singular pose, where the singular values of J have the ratio "
-            f"{worst:.2g}, and at the center {usual:.2g}"
-        )
-    low, high = robot.model.jnt_range[robot.joint_id].T
-    # Where the center itself is nearer to a limit, half of its distance is kept.
-    margin = np.clip(_to_limit(middle, robot) / 2, 0.0, LIMITS * (high - low))
-    near = (_to_limit(q, robot) < margin) & robot.limited
-    if near.any():
-        j = int(np.argmax(near.any(axis=0)))
-        return (
-            f"joint {robot.joints[j]!r} moves from {q[:, j].min():.3g} to {q[:, j].max():.3g}, "
-            f"too near to the ends of its range, {low[j]:.3g} to {high[j]:.3g}"
-        )
-    return ""
-
-
-def _to_limit(q: np.ndarray, robot: Robot) -> np.ndarray:
-    """Distance of joint angles (..., n) to the nearer end of the range, negative beyond it."""
-    low, high = robot.model.jnt_range[robot.joint_id].T
-    return np.minimum(q - low, high - q)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,9 +12,8 @@ from ..callback.callback import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
-from ..experiments.motion_section import Motion
 from ..laws import laws
-from ..laws.gains import Gains, adaptation, gains
+from ..laws.gains import Gains, gains
 from ..laws.laws import Law
 from ..laws.memory import Layout, layout_of
 from ..motions import default_motion
@@ -25,24 +24,17 @@ from ..robots.robot import Robot, build
 from ..robots.warned import heard
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
-from ..text import Caution, shown
+from ..text import Caution
 from . import notes
+from .filling import Left, adapting, without_passage
 from .holding import holding
 from .inputs import Input, gather
+from .passages import passages
 
 T = TypeVar("T")
 
 Followed = dict[tuple[object, ...], list[JointMotion]]
 """Joint motions by all that they depend on."""
-
-
-class Left(NamedTuple):
-    """What an arm does before a plan begins, where it is not at rest at home."""
-
-    motion: Motion
-    """That it repeats."""
-    q: np.ndarray
-    """Its joint angles at the end of a cycle (n,) [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,25 +184,7 @@ class Plan:
         Raises:
             MotionError: a passage leaves the arm's reach or goes through a singular pose.
         """
-        found: dict[int, JointMotion] = {}
-        start = self.robot.home if self.left is None else self.left.q
-        for segment, motion in enumerate(self.experiment.motion):
-            first = self.schedule.index(segment)
-            cycles = range(first, first + motion.blend)
-            if cycles:
-                made = self.kinematics.passage(
-                    motions.in_a_row([self.desired(cycle) for cycle in cycles]),
-                    start,
-                    motion.blend * motion.period,
-                    f"experiment {self.experiment.name!r}: passage to motion.{segment}",
-                    self.gains.alpha_0,
-                )
-                steps = self.steps(segment)
-                for number, cycle in enumerate(cycles):
-                    part = slice(number * steps, (number + 1) * steps)
-                    found[cycle] = JointMotion(*(signal[part] for signal in made))
-            start = self.joints[segment].q[-1]
-        return found
+        return passages(self)
 
     @property
     def fits_with(self) -> tuple[object, ...]:
@@ -224,8 +198,7 @@ class Plan:
     def refuse_unstable(self) -> None:
         """Raise a StabilityError if something will diverge."""
         if self.unstable:
-            rest = len(self.unstable) - 1
-            more = f" (and {rest} more)" if rest else ""
+            more = f" (and {rest} more)" if (rest := len(self.unstable) - 1) else ""
             raise StabilityError(f"experiment {self.experiment.name!r}: {self.unstable[0]}{more}")
 
     def _heard(self, work: Callable[[], T]) -> T:
@@ -286,7 +259,7 @@ def plan_for(
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
     said = list(robot.notes)
-    experiment = _adapting(experiment, law, robot, said)
+    experiment = adapting(experiment, law, robot, said)
     with heard() as warned:
         chosen = gains(experiment, unloaded)
         experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
@@ -295,7 +268,7 @@ def plan_for(
             chosen = gains(experiment, unloaded, middles)
     robot = replace(robot, notes=tuple(said))
     if left is not None:
-        experiment = _without_passage(experiment, left.motion)
+        experiment = without_passage(experiment, left.motion)
     by_payload = {0.0: unloaded}
     for motion in experiment.motion:
         if motion.payload not in by_payload:
@@ -311,37 +284,6 @@ def plan_for(
         _followed={} if followed is None else followed,
         _warned=warned,
     )
-
-
-def _without_passage(experiment: Experiment, left: Motion) -> Experiment:
-    """The experiment without a passage into its first motion, if that is the one that is left."""
-    first, *others = experiment.motion
-    other = {"duration": left.duration, "blend": left.blend, "payload": left.payload}
-    if first.model_copy(update=other) != left:
-        return experiment
-    first = first.model_copy(update={"blend": 0})
-    return experiment.model_copy(update={"motion": (first, *others)})
-
-
-def _adapting(experiment: Experiment, law: Law, robot: Robot, notes: list[str]) -> Experiment:
-    """The experiment with adaptation gains for a law as printed that is given none.
-
-    Args:
-        experiment: as it was given.
-        law: of it.
-        robot: of it.
-        notes: get a line of the gains.
-    """
-    given = experiment.law.model_fields_set
-    if not experiment.law.printed or given & set(law.adapts):
-        return experiment
-    rates = {name: gamma for name, gamma in adaptation(robot).items() if name in law.adapts}
-    known = " and ".join(
-        f"law.{name} = {shown([float(f'{value:.3g}') for value in gamma])}"
-        for name, gamma in rates.items()
-    )
-    notes.append(f"{known}, from the joints' inertia at home")
-    return experiment.replace({f"law.{name}": gamma.tolist() for name, gamma in rates.items()})
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:
