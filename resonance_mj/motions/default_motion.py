@@ -14,7 +14,7 @@ from ..text import length
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
 from .margins import GLANCE, LIMITS, lacks_margin, to_limit, too_heavy, touches
-from .singular import jerk
+from .singular import NEAR_SINGULAR, jerk, nearness
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
@@ -230,6 +230,6 @@ def _obstacle(
             or touches(followed.q, middle, robot)
             or too_heavy(followed, kinematics, motion.period, bounds)
         )
-        if reason:
+        if reason or nearness(kinematics, followed.q) > 2 * NEAR_SINGULAR:
             return reason
     return ""

@@ -33,11 +33,16 @@ class Jerk(NamedTuple):
         )
 
 
+def nearness(kinematics: Kinematics, q: np.ndarray) -> float:
+    """Least ratio of J's singular values, the smallest to the largest, along angles (N, n)."""
+    J = [kinematics.jacobian(some) for some in q[:: max(1, len(q) // POSES)]]
+    values = np.linalg.svd(J, compute_uv=False)
+    return float((values[:, -1] / values[:, 0]).min())
+
+
 def jerk(kinematics: Kinematics, joints: JointMotion) -> Jerk | None:
     """The joint whose acceleration stands out most near a singular pose; None if none does."""
-    poses = joints.q[:: max(1, len(joints.q) // POSES)]
-    values = np.linalg.svd([kinematics.jacobian(q) for q in poses], compute_uv=False)
-    ratio = float((values[:, -1] / values[:, 0]).min())
+    ratio = nearness(kinematics, joints.q)
     peak, usual = np.abs(joints.ddq).max(axis=0), np.sqrt((joints.ddq**2).mean(axis=0))
     j = int(np.argmax(peak - SUDDEN * usual))
     if ratio >= NEAR_SINGULAR or peak[j] <= SUDDEN * usual[j]:
