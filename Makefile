@@ -16,7 +16,7 @@ test-oldest:   ## the tests with the oldest versions that pyproject.toml allows,
 	$(PYTHON) -m venv .venv-oldest
 	.venv-oldest/bin/python -m pip install --quiet --disable-pip-version-check uv
 	.venv-oldest/bin/uv pip install --quiet --python .venv-oldest --resolution lowest-direct --editable ".[dev]"
-	.venv-oldest/bin/python -m pytest
+	.venv-oldest/bin/python -m pytest -W default
 
 test-robots: $(VENV)/installed-dev   ## public arms, downloaded once (1.2 GB), and the tables of docs/robots.md
 	$(BIN)/python -m pytest -m robots --dist load
