@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter
 from ...evaluation.comparison import Comparison
 from ...results.run import Run
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
-from . import convergence, cycle_axis
+from . import convergence, cycles
 from .catalogue import PAGE
 from .sheet import Row, Sheet
 from .style import SMALL, styled
@@ -51,7 +51,7 @@ def figure(comparison: Comparison, width: float = PAGE) -> Figure:
         width: of the figure [in].
     """
     name, runs, long = comparison.experiment.name, comparison.runs, comparison.long
-    over_cycles = 1 + len(cycle_axis.errors([*runs.values()]))
+    over_cycles = 1 + len(cycles.errors([*runs.values()]))
     sheet = Sheet(
         width,
         [Row(1.7)] * (over_cycles + bool(long)),
@@ -60,7 +60,7 @@ def figure(comparison: Comparison, width: float = PAGE) -> Figure:
     )
     axes = convergence.panels(sheet, [*runs.values()], [LINES[law] for law in runs])
     for ax in axes:
-        cycle_axis.motions(ax, comparison.experiment, named=True)
+        cycles.motions(ax, comparison.experiment, named=True)
     axes[0].axhline(1.0, color=DESIRED, linewidth=0.6)
     if long:
         title = "the last motion repeated"
@@ -75,8 +75,8 @@ def figure(comparison: Comparison, width: float = PAGE) -> Figure:
 def _long_runs(ax: Axes, long: Mapping[str, Run]) -> None:
     """Torque² of the last motion, repeated, as a multiple of the optimum's."""
     for name, run in long.items():
-        values = cycle_axis.ratio(run)[run.data["segment_of_cycle"] == run.motions[-1].number]
-        cycle_axis.curve(ax, run, values, np.arange(1, len(values) + 1), **LINES[name])
+        values = cycles.ratio(run)[run.data["segment_of_cycle"] == run.motions[-1].number]
+        cycles.curve(ax, run, values, np.arange(1, len(values) + 1), **LINES[name])
     ax.axhline(1.0, color=DESIRED, linewidth=0.6)
     ax.set_xscale("log")
     ax.set_xlim(left=1)

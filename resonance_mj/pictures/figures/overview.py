@@ -1,17 +1,19 @@
 """The paper's Fig. 4 (a)-(h) for any number of joints, and torque² per cycle below."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ...results.run import Run
 from ...text import minus, of_joint
-from . import cycle_axis
-from .measuring import fitting
-from .sheet import Row, Sheet, abscissa_of_the_panel_below, heading
+from ..spans import spans
+from .cycles import torque_squared
+from .sheet import Row, Sheet, abscissa_of_the_panel_below, fitting, heading, width_of
 from .style import LABEL_BOX, LINES, SMALL, remark
 from .ticks import breadth, even
-from .windows import Windows
 
 TITLES = {
     "x": ("tool position {} [m]", "tool {} [m]", "{} [m]"),
@@ -58,8 +60,7 @@ def draw(run: Run, width: float) -> Figure:
         even(ax)
         if rows[row].below < Row(0).below:
             abscissa_of_the_panel_below(ax)
-    ax = sheet.panel(len(rows) - 1, 0, cycle_axis.torque_squared_title(run), span=columns)
-    cycle_axis.torque_squared(ax, run)
+    torque_squared(sheet, len(rows) - 1, run, span=columns)
     return sheet.figure
 
 
@@ -118,3 +119,50 @@ def _steady_limits(ax: Axes, run: Run, joint: int, unit: str) -> None:
         said = minus(f"peak {torque[largest]:.3g} {unit}")
         when = f"{said} at {data['time'].values[largest]:.2f} s"
         remark(ax, fitting([when, said], SMALL, breadth(ax)), (0.01, 0.03), bbox=LABEL_BOX)
+
+
+class Windows:
+    """A time axis that shows where something happens in a run, and breaks in between.
+
+    Args:
+        run: with at least one sample.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self._time = run.data["time"].values
+        self._step = float(np.diff(self._time[-2:]).sum())
+        self._spans = spans(run, float(self._time[-1]) + self._step)
+        self._gap = 0.06 * max(sum(high - low for low, high in self._spans), 1e-9)
+        widths = [high - low + self._gap for low, high in self._spans]
+        self._left = np.concatenate([[0.0], np.cumsum(widths)])
+
+    def plot(self, ax: Axes, values: np.ndarray, **style: Any) -> None:
+        """Draw a signal (N,), given at each sample, over the windows in a style."""
+        for (low, high), left in zip(self._spans, self._left, strict=False):
+            inside = np.flatnonzero((self._time >= low) & (self._time <= high))
+            left_out = np.diff(self._time[inside]) > 1.5 * self._step
+            for piece in np.split(inside, np.flatnonzero(left_out) + 1):
+                if piece.size:
+                    at = piece[:: max(1, inside.size // 800)]
+                    ax.plot(self._time[at] - low + left, values[at], **style)
+
+    def label(self, ax: Axes) -> None:
+        """Put the times on the axis, and mark where it breaks."""
+        end = max(self._left[-1] - self._gap, 1e-3)
+        room = breadth(ax) / end  # inches per second
+        ticks: dict[float, str] = {}
+        taken = -np.inf
+        for (low, high), left in zip(self._spans, self._left, strict=False):
+            if left:
+                ax.axvspan(left - self._gap, left, color="0.93", linewidth=0, zorder=3)
+            bins = max(1, min(4, int((high - low) * room / 0.25)))
+            whole = high - low >= 1
+            locator = MaxNLocator(bins, steps=[1, 2, 5, 10], integer=whole, min_n_ticks=1)
+            for tick in locator.tick_values(low, high):
+                place, half = tick - low + left, width_of(f"{tick:g}", SMALL) / 2 / room
+                if low - 1e-9 <= tick <= high + 1e-9 and place - half > taken + 0.04 / room:
+                    ticks[place] = f"{tick:g}"
+                    taken = place + half
+        ax.set_xticks([*ticks], [*ticks.values()])
+        ax.set_xlim(0, end)
+        ax.set_xlabel("time [s]")

@@ -5,17 +5,20 @@ measure them, which takes longer than the simulation.
 """
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import chain, product
 from pathlib import Path
 from string import ascii_lowercase
+from textwrap import wrap
 from typing import NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.lines import Line2D
 
 from ...results.run import Run
-from .measuring import fitting, width_of, wrapped
+from ...text import cut
 from .style import FONT, GAP, HANDLE, HEADING, SMALL, Line, remark
 
 EDGE, RIGHT = 0.08, 0.12
@@ -23,6 +26,9 @@ EDGE, RIGHT = 0.08, 0.12
 
 TITLE = 0.2
 """Above a panel, for its title [in]."""
+
+FINE, HINTED = 1200, 1.05
+"""Dots per inch at which text is measured, and how much wider it may be on coarse pixels."""
 
 
 class Row(NamedTuple):
@@ -65,23 +71,17 @@ class Sheet:
         self._rows, self._left = rows, left
         self._across = (width - columns * left - right) / columns
         self._beyond = min(left - 0.1, RIGHT - 0.03)  # a title may be wider than its panel
-        self._letters = chain(ascii_lowercase, map("".join, product(ascii_lowercase, repeat=2)))
-        self._lettered = lettered
-        lines = wrapped(heading, HEADING, width - left - RIGHT)
+        letters = chain(ascii_lowercase, map("".join, product(ascii_lowercase, repeat=2)))
+        self._letters = (f"({letter}) " if lettered else "" for letter in letters)
+        lines = _wrapped(heading, width - left - RIGHT)
         entries = _packed(legend or {}, width - left - RIGHT)
         small = 1.6 * SMALL / 72
         words = EDGE + 1.35 * HEADING / 72 * len(lines)
         self._top = words + small * len(entries) + 0.04
         height = self._top + sum(map(sum, rows)) + 0.05
         self.figure = Figure(figsize=(width, height))
-        self.figure.suptitle(
-            "\n".join(lines),
-            x=left / width,
-            y=1 - EDGE / height,
-            ha="left",
-            va="top",
-            fontsize=HEADING,
-        )
+        at = {"x": left / width, "y": 1 - EDGE / height}
+        self.figure.suptitle("\n".join(lines), **at, ha="left", va="top", fontsize=HEADING)
         for number, row in enumerate(entries):
             self.figure.legend(
                 [Line2D([], [], **line) for line in row.values()],
@@ -113,16 +113,15 @@ class Sheet:
             down: rows that it takes.
         """
         width, height = self.figure.get_size_inches()
-        above = self._top + sum(map(sum, self._rows[:row])) + self._rows[row].above
         rows = self._rows[row : row + down]
+        above = self._top + sum(map(sum, self._rows[:row])) + rows[0].above
         tall = sum(map(sum, rows)) - rows[0].above - rows[-1].below
         left = self._left + column * (self._across + self._left)
         wide = span * self._across + (span - 1) * self._left
         ax = self.figure.add_axes(
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
-        letter = f"({next(self._letters)}) " if self._lettered else ""
-        room = wide + self._beyond
+        letter, room = next(self._letters), wide + self._beyond
         pitch = 1.35 * SMALL  # of the notes [pt]
         titles = [letter + wording for wording in wordings]
         fits = any(width_of(title.replace("{}", name), FONT) <= room for title in titles)
@@ -167,6 +166,42 @@ def heading(run: Run) -> str:
         f"{run.experiment.name}: {Path(run.experiment.robot.mjcf).stem}, "
         f"law {Path(law.kind).stem}{form}, cycles {periods}; {run.status}"
     )
+
+
+@lru_cache(maxsize=4096)
+def width_of(text: str, size: float) -> float:
+    """Width of a line of text without mathematics, with a margin [in]; `size` of the font [pt]."""
+    font = get_font(findfont(FontProperties()))
+    font.set_size(size, FINE)
+    font.set_text(text)
+    return HINTED * float(font.get_width_height()[0]) / 64 / FINE
+
+
+def fitting(wordings: Sequence[str], size: float, width: float, name: str = "") -> str:
+    """The first of some wordings that fits; where none does the last, cut, or its name cut.
+
+    Args:
+        wordings: from long to short, with {} where the name is put.
+        size: of the font [pt].
+        width: there is [in].
+        name: such as a joint's, which may be long.
+    """
+    frame, whole = (wordings[-1], name) if "{}" in wordings[-1] else ("{}", wordings[-1])
+    shortened = (cut(whole, length) for length in range(len(whole) - 1, 0, -1))
+    texts = [wording.replace("{}", name) for wording in wordings]
+    for text in chain(texts, (frame.replace("{}", short) for short in shortened)):
+        if width_of(text, size) <= width:
+            break
+    return text
+
+
+def _wrapped(heading: str, width: float) -> list[str]:
+    """A heading as lines that fit `width` [in]."""
+    for longest in range(max(len(heading), 10), 9, -1):
+        lines = wrap(heading, longest) or [""]
+        if all(width_of(line, HEADING) <= width for line in lines):
+            break
+    return lines
 
 
 def _packed(legend: Mapping[str, Line], room: float) -> list[dict[str, Line]]:

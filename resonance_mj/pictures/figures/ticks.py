@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from ...text import minus
-from .measuring import width_of
+from .sheet import width_of
 from .style import SMALL
 
 
