@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
 from ...evaluation.comparison import Comparison
 from ...results.run import Run
@@ -80,7 +79,7 @@ def _long_runs(ax: Axes, long: Mapping[str, Run]) -> None:
     ax.axhline(1.0, color=DESIRED, linewidth=0.6)
     ax.set_xscale("log")
     ax.set_xlim(left=1)
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_major_formatter("{x:g}")
     ax.set_xlabel("cycle of the last motion")
 
 

@@ -41,18 +41,13 @@ def draw(run: Run, width: float) -> Figure:
     axes = run.data["axis"].values.tolist()
     places = [name for name in axes if not name.startswith("r")]
     m = len(places)
-    over: dict[str, int | None] = {"distance from where it should be [mm]": None}
-    over |= {f"tool rotation {name} [rad]": m + i for i, name in enumerate(axes[m:])}
     pairs = first_and_last(run)
     beside = width >= BESIDE
-    block = _rows(len(over), beside)
+    over = 1 + len(axes) - m  # panels over the cycle
+    block = _rows(over, beside)
+    columns = 2 if beside else 1
     sheet = Sheet(
-        width,
-        block * len(pairs),
-        2 if beside else 1,
-        heading=heading(run),
-        legend=LEGEND,
-        left=LEFT,
+        width, block * len(pairs), columns, heading=heading(run), legend=LEGEND, left=LEFT
     )
     for index, pair in enumerate(pairs):
         top = index * len(block)
@@ -67,17 +62,16 @@ def draw(run: Run, width: float) -> Figure:
             down=len(block) if beside else 1,
         )
         _path(ax, pair, places)
-        for row, (title, what) in enumerate(over.items(), start=len(block) - len(over)):
+        off = {
+            label: 1e3 * np.linalg.norm((one.x - one.x_desired)[:, :m], axis=1)
+            for label, one in pair.items()
+        }
+        panels = {"distance from where it should be [mm]": off}
+        panels |= {f"tool rotation {axes[i]} [rad]": _both(pair, i) for i in range(m, len(axes))}
+        for row, (title, signals) in enumerate(panels.items(), start=len(block) - over):
             ax = sheet.panel(top + row, int(beside), title)
-            if what is None:
-                off = {
-                    label: 1e3 * np.linalg.norm((one.x - one.x_desired)[:, :m], axis=1)
-                    for label, one in pair.items()
-                }
-                _over_the_cycle(ax, off)
-                logarithmic(ax)
-            else:
-                _coordinate(ax, pair, what)
+            _over_the_cycle(ax, signals)
+            (logarithmic if signals is off else even)(ax)
             if row < len(block) - 1:
                 abscissa_of_the_panel_below(ax)
     return sheet.figure
@@ -133,7 +127,8 @@ def plane_of(path: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, list[s
 def _path(ax: Axes, pair: Pair, names: Sequence[str]) -> None:
     m = len(names)
     if m == 1:
-        _coordinate(ax, pair, 0)
+        _over_the_cycle(ax, _both(pair, 0))
+        even(ax)
         ax.set_ylabel(f"{names[0]} [m]")
         return
     directions, labels = plane_of(pair[LAST].x_desired[:, :m], names)
@@ -150,11 +145,10 @@ def _path(ax: Axes, pair: Pair, names: Sequence[str]) -> None:
     even(ax, 6)
 
 
-def _coordinate(ax: Axes, pair: Pair, axis: int) -> None:
-    """A coordinate over the cycle, with what is desired."""
+def _both(pair: Pair, axis: int) -> dict[str, np.ndarray]:
+    """A coordinate as it was made, and as it is desired, by what the legend calls them."""
     found = {label: cycle.x[:, axis] for label, cycle in pair.items()}
-    _over_the_cycle(ax, {**found, "desired": pair[LAST].x_desired[:, axis]})
-    even(ax)
+    return {**found, "desired": pair[LAST].x_desired[:, axis]}
 
 
 def _over_the_cycle(ax: Axes, signals: Mapping[str, np.ndarray]) -> None:

@@ -4,9 +4,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from ...errors import PictureError
@@ -23,8 +20,8 @@ NARROWEST, WIDEST = 3.0, 20.0
 COARSEST, FINEST = 50, 1200
 """Pixels per inch of a PNG."""
 
-KINDS = ("svg", "png", "pdf")
-"""As what a figure can be written."""
+KINDS = {"svg": {"Date": None}, "png": {}, "pdf": {"CreationDate": None}}
+"""As what a figure can be written, and what its file says of itself: not when it was made."""
 
 MOST_PIXELS = 65000
 """Along a side of a PNG; matplotlib draws no more than 65 535."""
@@ -97,16 +94,10 @@ def save(
         OutputError: a file cannot be written.
     """
     paths = {kind: folder / f"{name}.{kind}" for kind in formats}
+    dpi = min(dpi, MOST_PIXELS / max(drawn.get_size_inches()))
     for kind, path in paths.items():
-        # Each canvas is told to print itself: Figure.savefig draws everything twice.
         with replacing(path) as beside:
-            if kind == "svg":
-                FigureCanvasSVG(drawn).print_svg(beside, metadata={"Date": None})
-            elif kind == "pdf":
-                FigureCanvasPdf(drawn).print_pdf(beside, metadata={"CreationDate": None})
-            else:
-                drawn.set_dpi(min(dpi, MOST_PIXELS / max(drawn.get_size_inches())))
-                FigureCanvasAgg(drawn).print_png(beside, pil_kwargs={"compress_level": 6})
+            drawn.savefig(beside, format=kind, dpi=dpi, metadata=KINDS[kind])
     return list(paths.values())
 
 

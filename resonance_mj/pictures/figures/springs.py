@@ -39,9 +39,7 @@ def draw(run: Run, width: float) -> Figure:
     """
     joints = run.data["joint"].values.tolist()
     last = {cycle.motion: cycle for cycle in kept(run)}
-    found = [
-        (cycle, j, exerted_in(cycle, j)) for cycle in last.values() for j in range(len(joints))
-    ]
+    found = [(one, j, _exerted_in(one, j)) for one in last.values() for j in range(len(joints))]
     unseen = NEGATIVE if all(one.stiffness >= 0 for _, _, one in found) else ""
     most = max(1, int(width / (NARROW + LEFT)))
     each = -(-len(joints) // most)  # rows that a motion takes
@@ -97,18 +95,9 @@ class Exerted(NamedTuple):
         """What the motion needs in all (N,) [N m]."""
         return self.spring + self.motor
 
-    def line(self, q: np.ndarray) -> np.ndarray:
-        """The line fitted to the spring's torque [N m], at angles (·,) [rad]."""
-        return self.spring.mean() - self.stiffness * (q - self.q.mean())
 
-
-def exerted_in(cycle: Cycle, joint: int) -> Exerted:
-    """What spring and motor of a joint exerted in a cycle, and the line through the spring's part.
-
-    Args:
-        cycle: from `kept`.
-        joint: index of the joint.
-    """
+def _exerted_in(cycle: Cycle, joint: int) -> Exerted:
+    """What spring and motor exerted in a cycle, and the line through the spring's part."""
     q = cycle.q[:, joint]
     spring = law.torque(cycle.stiffness[:, joint], cycle.offset[:, joint], q, cycle.center[joint])
     z, variance = q - q.mean(), float(q.var())
@@ -146,11 +135,12 @@ def _loops(ax: Axes, exerted: Exerted, motion: MotionOfRun, joint: int) -> None:
     across = (q.min() + q.max()) / 2 + np.array([-reach, reach])
     k, angle = motion.stiffness_optimal[joint], motion.equilibrium_optimal[joint]
     best = k * (angle - across) if k else np.full(2, motion.offset_optimal[joint])
+    fitted = exerted.spring.mean() - exerted.stiffness * (across - q.mean())
     spring = LEGEND[NEGATIVE if exerted.stiffness < 0 else POSITIVE]
     at = np.append(np.arange(len(q)), 0)  # closed
     ax.axhline(0.0, color=DESIRED, linewidth=0.4)
     ax.plot(q[at], exerted.motor[at], **LEGEND["left to the motor"])
-    ax.plot(across, exerted.line(across), **{**spring, "linewidth": 0.6})
+    ax.plot(across, fitted, **{**spring, "linewidth": 0.6})
     ax.plot(q[at], exerted.spring[at], **spring)
     ax.plot(q[at], exerted.needed[at], **LEGEND["needed without springs"])
     ax.plot(across, best, **LEGEND["optimal spring"])

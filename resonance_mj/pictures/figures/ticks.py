@@ -5,7 +5,7 @@ from math import isfinite
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ...text import minus
 from .sheet import width_of
@@ -21,7 +21,7 @@ def logarithmic(ax: Axes) -> None:
     low, high = ax.get_ylim()
     near = high / low < 400  # decades alone would leave an axis without numbers
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if near else (1.0,), numticks=7))
-    ax.yaxis.set_major_formatter(FuncFormatter(_number))
+    ax.yaxis.set_major_formatter(_number)
     ax.yaxis.set_minor_locator(NullLocator())
 
 
@@ -29,7 +29,7 @@ def even(ax: Axes, nbins: int = 4) -> None:
     """An ordinate without a common factor, which would stand in the title."""
     ax.set_ylim(_told_apart(*ax.get_ylim()))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=nbins))
-    ax.yaxis.set_major_formatter(FuncFormatter(_number))
+    ax.yaxis.set_major_formatter(_number)
 
 
 def abscissa(ax: Axes) -> None:
@@ -38,8 +38,8 @@ def abscissa(ax: Axes) -> None:
     ax.set_xlim(low, high)
     scale = breadth(ax) / (high - low)  # inches per unit
     for nbins in (6, 5, 4, 3, 2, 1):
-        placed = MaxNLocator(nbins=nbins).tick_values(low, high)
-        ticks = [float(tick) for tick in placed if low <= tick <= high]
+        placed = MaxNLocator(nbins).tick_values(low, high).tolist()
+        ticks = [tick for tick in placed if low <= tick <= high]
         widest = max((width_of(_number(tick), SMALL) for tick in ticks), default=0.0)
         if len(ticks) < 2 or (ticks[1] - ticks[0]) * scale > widest + 0.08:
             break
