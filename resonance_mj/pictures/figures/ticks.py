@@ -38,8 +38,8 @@ def abscissa(ax: Axes) -> None:
     ax.set_xlim(low, high)
     scale = breadth(ax) / (high - low)  # inches per unit
     for nbins in (6, 5, 4, 3, 2, 1):
-        placed = MaxNLocator(nbins).tick_values(low, high).tolist()
-        ticks = [tick for tick in placed if low <= tick <= high]
+        placed = MaxNLocator(nbins).tick_values(low, high)
+        ticks = [float(tick) for tick in placed if low <= tick <= high]
         widest = max((width_of(_number(tick), SMALL) for tick in ticks), default=0.0)
         if len(ticks) < 2 or (ticks[1] - ticks[0]) * scale > widest + 0.08:
             break

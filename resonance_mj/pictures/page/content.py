@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from ... import library
 from ...errors import ExperimentError
@@ -18,7 +19,10 @@ from ...results.metrics import LEAST_REDUCTION
 from ...results.run import Run
 from ...status import Status
 from ...text import NOTHING, duration, flat, joined, length, minus, percent, shown
-from .drawings import Figures
+from ..figures.catalogue import Entry
+
+Figures = list[tuple[Entry, Markup]]
+"""Figures of the catalogue, each as a part of the page."""
 
 ENDED = {
     Status.DIVERGED: "The run diverged",

@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -13,6 +14,8 @@ from ... import text
 from ...evaluation.checks import convergence
 from ...results.run import finite, versions
 from .content import best
+
+TEMPLATES = Path(__file__).parent / "templates"
 
 
 def html(**page: Any) -> str:
@@ -24,7 +27,7 @@ def html(**page: Any) -> str:
             `film_note`, why there is none or what it leaves out.
     """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(__package__, "templates"),
+        loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         finalize=_placeless,
@@ -38,16 +41,14 @@ def html(**page: Any) -> str:
         "percent": _data(text.percent),
         "metres": _data(text.length),
         "radians": _data(text.angle),
+        "data_uri": _data_uri,
+        "json": lambda value: json.dumps(finite(value), indent=2),
     }
-    environment.filters["data_uri"] = _data_uri
-    environment.filters["json"] = lambda value: json.dumps(finite(value), indent=2)
-
-    def asset(name: str) -> Markup:
-        assert environment.loader is not None
-        return Markup(environment.loader.get_source(environment, name)[0])
-
     return environment.get_template("page.html").render(
-        page=page, best=best, asset=asset, version=versions()["resonance-mj"]
+        page=page,
+        best=best,
+        asset=lambda name: Markup((TEMPLATES / name).read_text(encoding="utf-8")),
+        version=versions()["resonance-mj"],
     )
 
 

@@ -2,14 +2,19 @@
 
 import os
 from collections.abc import Callable, Sequence
+from itertools import count
 from pathlib import Path
-from typing import Any
 
 from ...errors import OutputError, PictureError, RobotError
 from ...files import could_be_replaced, replacing, writable
 from ...results.run import Run
 from ...text import told_apart
+from ..figures import catalogue
+from ..figures.catalogue import Entry
 from . import film as films
+from .content import Content, Figures, differences
+from .drawings import inline
+from .page import html
 
 Progress = Callable[[int, int], None]
 Given = Run | str | os.PathLike[str]
@@ -50,83 +55,64 @@ def report(
         OutputError: a folder does not hold a run, or the report cannot be written; then there is
             none.
     """
-    from . import page
-
     given = [run] if isinstance(run, Run | str | os.PathLike) else list(run)
     if not given:
         raise OutputError("no run is given to report")
     folders = [None if isinstance(one, Run) else Path(one) for one in given]
-    path = _destination(path, folders)
+    alone = len(given) == 1
+    if path is None:
+        if folders[0] is None:
+            raise OutputError("a run that was not read from a folder: give the report a path")
+        path = folders[0] / ("report.html" if alone else "comparison.html")
+    path = could_be_replaced(Path(path))  # seen before the long work
     runs = [one if isinstance(one, Run) else Run.load(one) for one in given]
     if labels is not None and len(labels) != len(runs):
         raise OutputError(f"{len(labels)} labels for {len(runs)} runs: give one each")
     names = labels or told_apart(
         [one.experiment.name for one in runs], [one.experiment.model_dump() for one in runs]
     )
-    content = _content(runs, folders, names, title, video, progress or (lambda done, of: None))
-    if note and content["film_note"]:
-        note(content["film_note"])
-    writable(path.parent)
-    with replacing(path) as beside:
-        beside.write_text(page.html(**content), encoding="utf-8")
-    return path
-
-
-def _destination(path: str | os.PathLike[str] | None, folders: list[Path | None]) -> Path:
-    """Where the report goes; that it can be written is seen before the long work."""
-    if path is None:
-        if folders[0] is None:
-            raise OutputError("a run that was not read from a folder: give the report a path")
-        path = folders[0] / ("report.html" if len(folders) == 1 else "comparison.html")
-    return could_be_replaced(Path(path))
-
-
-def _content(
-    runs: list[Run],
-    folders: list[Path | None],
-    names: Sequence[str],
-    title: str | None,
-    video: bool,
-    progress: Progress,
-) -> dict[str, Any]:
-    """What the page shows, with its pictures."""
-    from ..figures import catalogue
-    from . import drawings
-    from .content import Content, differences
-
-    alone = len(runs) == 1
-    anchors = ["run"] if alone else [f"run{number}" for number in range(1, len(runs) + 1)]
-    of_each = [catalogue.fitting([run]) for run in runs]
+    of_each = [catalogue.fitting([one]) for one in runs]
     of_all = [] if alone else [entry for entry in catalogue.fitting(runs) if entry.several]
-    frames, figures, done = 0, len(of_all) + sum(map(len, of_each)), 0
-
-    def step() -> None:
-        nonlocal done
-        done += 1
-        progress(done, frames + figures)
-
+    figures, frames = len(of_all) + sum(map(len, of_each)), 0
+    progress = progress or (lambda done, of: None)
     film, said = None, ""
     if video:
         try:
-            planned = films.plan(runs, names)
-            frames = len(planned.times)
-            film = films.shoot(planned, lambda *_: step())
+            film = films.plan(runs, names)
+            frames = len(film.times)
+            film = films.shoot(film, lambda done, of: progress(done, of + figures))
             if len(film.runs) < len(runs):
                 left_out = ", ".join(names[len(film.runs) :])
                 said = f"The video shows the first {len(film.runs)} runs, not {left_out}."
         except (PictureError, RobotError) as error:
-            said, done = f"No video: {error}", frames
+            film, said = None, f"No video: {error}"
+    done = count(frames + 1)
+
+    def drawn(entries: Sequence[Entry], some: Sequence[Run], anchor: str) -> Figures:
+        found = []
+        for entry in entries:
+            found.append((entry, inline(entry, some, anchor)))
+            progress(next(done), frames + figures)
+        return found
+
+    anchors = ["run"] if alone else [f"run{number}" for number in range(1, len(runs) + 1)]
     contents = [
-        Content(one, name, anchor, folder, drawings.figures(entries, [one], anchor, step))
+        Content(one, name, anchor, folder, drawn(entries, [one], anchor))
         for one, name, anchor, folder, entries in zip(
             runs, names, anchors, folders, of_each, strict=True
         )
     ]
-    return {
-        "title": title or " beside ".join(names),
-        "contents": contents,
-        "shared": drawings.figures(of_all, runs, "all", step),
-        "differences": {} if alone else differences(runs),
-        "film": film,
-        "film_note": said,
-    }
+    shown = html(
+        title=title or " beside ".join(names),
+        contents=contents,
+        shared=drawn(of_all, runs, "all"),
+        differences={} if alone else differences(runs),
+        film=film,
+        film_note=said,
+    )
+    if note and said:
+        note(said)
+    writable(path.parent)
+    with replacing(path) as beside:
+        beside.write_text(shown, encoding="utf-8")
+    return path
