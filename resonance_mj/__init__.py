@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .evaluation.comparison import Comparison, compare
     from .experiments.experiment import Experiment
     from .experiments.loading import load
-    from .pictures.figures.plot import plot
+    from .pictures.figures.catalogue import plot
     from .pictures.film.options import RenderOptions
     from .pictures.film.video import render
     from .pictures.page.report import report
@@ -32,7 +32,7 @@ _HOMES = {
     "load": "experiments.loading",
     "Optimum": "springs.optimum",
     "optimum": "plan.plan",
-    "plot": "pictures.figures.plot",
+    "plot": "pictures.figures.catalogue",
     "RenderOptions": "pictures.film.options",
     "report": "pictures.page.report",
     "Run": "results.run",

@@ -18,7 +18,7 @@ from resonance_mj import cli, library
 from resonance_mj.errors import PictureError
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.pictures.figures import catalogue
-from resonance_mj.pictures.figures.plot import save
+from resonance_mj.pictures.figures.catalogue import save
 from resonance_mj.pictures.film import plots
 from resonance_mj.pictures.film.options import RenderOptions
 

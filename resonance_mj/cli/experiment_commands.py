@@ -157,7 +157,7 @@ def compare(options: Namespace) -> None:
     """The laws that users compare, on one experiment."""
     experiment = keys_as_options.experiment(options)
     from ..pictures.figures import comparison_figure
-    from ..pictures.figures.plot import save
+    from ..pictures.figures.catalogue import save
     from . import tables
 
     folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")

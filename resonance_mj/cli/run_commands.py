@@ -116,7 +116,7 @@ def certify(options: Namespace) -> None:
 def certified(run: rmj.Run, folder: Path) -> tuple[Certificates, list[str]]:
     """Find and draw a run's certificates; with the names of the files that were written."""
     from ..pictures.figures import certificate_figure
-    from ..pictures.figures.plot import save
+    from ..pictures.figures.catalogue import save
 
     found = rmj.certify(run)
     drawn = save(certificate_figure.figure(found), folder, "certificates")

@@ -1,16 +1,19 @@
-"""The figures that can be drawn of runs: what each shows, what it needs, and how to draw it.
+"""The figures that can be drawn of runs: what each shows, what it needs; drawn, and written.
 
 Nothing is imported to draw with until a figure is drawn.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import PictureError
+from ...files import replacing, writable
 from ...text import nearest, shown
 
 if TYPE_CHECKING:
@@ -26,6 +29,22 @@ FORMATS = ("svg", "png")
 
 DPI, DRAFT = 300.0, 170.0
 """Pixels per inch of a PNG, and of the one that each run leaves: in print, and on a screen."""
+
+NARROWEST, WIDEST = 3.0, 20.0
+"""Widths of a figure [in]."""
+
+COARSEST, FINEST = 50, 1200
+"""Pixels per inch of a PNG."""
+
+KINDS: Mapping[str, Mapping[str, None]] = {
+    "svg": {"Date": None},
+    "png": {},
+    "pdf": {"CreationDate": None},
+}
+"""As what a figure can be written, and what its file says of itself: not when it was made."""
+
+MOST_PIXELS = 65000
+"""Along a side of a PNG; matplotlib draws no more than 65 535."""
 
 SAMPLES, CYCLE, RECORDED_CYCLE = "samples in time", "a whole cycle", "a whole cycle with samples"
 """What a run may be needed to have."""
@@ -155,6 +174,98 @@ def named(name: str) -> Entry:
         there = f"{nearest(name, [*found])}; there are {', '.join(found)}"
         raise PictureError(f"figure {shown(name)} is unknown{there}")
     return found[name]
+
+
+def plot(
+    runs: Run | Sequence[Run],
+    folder: str | os.PathLike[str],
+    *,
+    figures: Sequence[str] | None = None,
+    formats: Sequence[str] = FORMATS,
+    width: str | float = "page",
+    dpi: float = DPI,
+) -> list[Path]:
+    """Draw figures of a run, or several runs in one figure, and write them as files.
+
+    Nothing is written unless all can be drawn.
+
+    Args:
+        runs: one run, or several that are compared.
+        folder: where to write; made if needed.
+        figures: names from the catalogue: overview, cycles, springs, path of one run, convergence
+            of several; all that can be drawn of these runs if None.
+        formats: any of svg, png and pdf.
+        width: column (3.5 in), page (7.16 in), or inches.
+        dpi: pixels per inch of a PNG; fewer where it would have more than 65 000 along a side.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        PictureError: a figure, format, width or resolution is not valid, or a run lacks what a
+            figure shows.
+        OutputError: the folder cannot be written.
+    """
+    several = list(runs) if isinstance(runs, Iterable) else [runs]
+    wide = _inches(width)
+    unknown = [kind for kind in formats if kind not in KINDS]
+    if unknown or not formats:
+        what = f"format {shown(unknown[0])} is unknown" if unknown else "no format is given"
+        raise PictureError(f"{what}; there are {', '.join(KINDS)}")
+    if not COARSEST <= dpi <= FINEST:
+        raise PictureError(f"dpi {dpi:g}: give pixels per inch from {COARSEST} to {FINEST}")
+    chosen = [named(name) for name in dict.fromkeys(figures or [])] or fitting(several)
+    if not chosen:
+        reasons = "; ".join(f"{one.name} {one.lacks(several)}" for one in FIGURES)
+        raise PictureError(f"no figure can be drawn: {reasons}")
+    drawn = [(entry.stem or entry.name, entry.draw(several, wide)) for entry in chosen]
+    folder = writable(folder)
+    return [path for stem, each in drawn for path in save(each, folder, stem, formats, dpi)]
+
+
+def save(
+    drawn: Figure,
+    folder: Path,
+    name: str,
+    formats: Sequence[str] = FORMATS,
+    dpi: float = DPI,
+) -> list[Path]:
+    """Write a figure into `folder`.
+
+    Args:
+        drawn: the figure.
+        folder: that exists.
+        name: of the files, without their suffix.
+        formats: any of svg, png and pdf.
+        dpi: pixels per inch of a PNG; fewer where it would have more than matplotlib draws.
+
+    Returns:
+        The files, in the order of `formats`.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    from .style import styled
+
+    paths = {kind: folder / f"{name}.{kind}" for kind in formats}
+    dpi = min(dpi, MOST_PIXELS / max(drawn.get_size_inches()))
+    for kind, path in paths.items():
+        with replacing(path) as beside, styled():
+            drawn.savefig(beside, format=kind, dpi=dpi, metadata=KINDS[kind])
+    return list(paths.values())
+
+
+def _inches(width: str | float) -> float:
+    """A width that a user gave [in]."""
+    try:
+        found = float({"column": COLUMN, "page": PAGE}.get(str(width), width))
+    except (TypeError, ValueError):
+        found = float("nan")
+    if not NARROWEST <= found <= WIDEST:
+        raise PictureError(
+            f"width {shown(width)}: give column, page, or inches from {NARROWEST:g} to {WIDEST:g}"
+        )
+    return found
 
 
 def _has(run: Run, needs: str) -> bool:
