@@ -4,7 +4,6 @@ from math import isfinite
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ...text import minus
@@ -72,9 +71,7 @@ def breadth(ax: Axes) -> float:
 
 def _inches(ax: Axes) -> np.ndarray:
     """Width and height of axes [in]."""
-    figure = ax.get_figure()
-    assert isinstance(figure, Figure)
-    return np.asarray(figure.get_size_inches() * ax.get_position().size)
+    return np.asarray(ax.bbox.size) / ax.figure.dpi
 
 
 def _told_apart(low: float, high: float) -> tuple[float, float]:
