@@ -141,8 +141,7 @@ def _dry_friction(robot: Robot, M: np.ndarray, dt: float) -> np.ndarray:
     At most what a joint that has broken loose bears when sampled: a quarter of the inertia that it
     feels alone, over dt.
     """
-    friction = robot.model.dof_frictionloss[robot.dof_address]
-    return np.minimum(friction, 0.25 / dt / np.diag(np.linalg.inv(M)))
+    return np.minimum(robot.friction, 0.25 / dt / np.diag(np.linalg.inv(M)))
 
 
 def gravity_rate(kinematics: Kinematics) -> float:

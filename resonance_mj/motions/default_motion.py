@@ -177,7 +177,7 @@ def _beside(
             values = np.linalg.svd(kinematics.jacobian(middle), compute_uv=False)
             width = np.ptp(robot.model.jnt_range[robot.joint_id], axis=1)
             inside = to_limit(middle, robot) > LIMITS * width
-            free = not touching(robot.model, robot.qpos, robot.qpos_address, middle[None])
+            free = not touching(robot.model, robot.positions(middle[None]))
             if free and values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
                 return sized(candidate, kinematics, name, alpha_0, bounds)
         except MotionError:

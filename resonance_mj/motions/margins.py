@@ -30,12 +30,12 @@ def touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
 
     What is near in the middle may stay so, but not touch.
     """
-    arm = robot.model, robot.qpos, robot.qpos_address
+    poses = robot.positions(q)
     clearance = CLEARANCE * reach(robot)
-    near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
-    found = touching(*arm, q, clearance)
+    near = {touch[:2] for touch in touching(robot.model, robot.positions(middle[None]), clearance)}
+    found = touching(robot.model, poses, clearance)
     # A distance that is found within a clearance is 0 only to rounding: a few exact looks tell.
-    exact = touching(*arm, q[::GLANCE]) if near else []
+    exact = touching(robot.model, poses[::GLANCE]) if near else []
     for touch in (*exact, *(t for t in found if t.depth > UNFELT or t[:2] not in near)):
         how = "" if touch.depth or touch in exact else ", or nearly so"
         return f"{touch}{how} (robot.contacts = false lets bodies pass through each other)"

@@ -17,6 +17,11 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     law, bounds = experiment.law, experiment.springs
     for name in ("qpos_address", "dof_address", "joint_id", "actuator_id", "coordinate"):
         memory[name][index] = getattr(robot, name)
+    memory["leader"][index] = -1
+    for j, joint in enumerate(robot.joint_id):
+        for follower, speed in robot.followers.moved_by(joint)[1:]:
+            dof = robot.model.jnt_dofadr[follower]
+            memory["leader"][index, dof], memory["ratio"][index, dof] = j, speed
     memory["orientation"][index] = robot.orientation
     memory["posture"][index] = robot.home
     memory["k_v"][index] = chosen.k_v

@@ -11,7 +11,7 @@ from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
 from .continuing import Start
-from .ending import ending, hindrances, named
+from .ending import calmer, ending, hindrances, named
 from .loading import load_law, load_motion, load_springs
 from .recording import Recording
 from .stepper import Stepper
@@ -51,6 +51,8 @@ class Member:
         memory, index, robot = self._memory, self._index, self.plan.robot
         qpos, qvel = self._stepper.state(index)
         qpos[robot.qpos_address], qvel[robot.dof_address] = start.q, start.dq
+        robot.followers.place(qpos)
+        robot.followers.move(qvel)
         positions = ["xyz".index(axis) for axis in robot.position_axes]
         memory["before"][index, positions] = start.x[: len(positions)]
         load_springs(memory, index, start.springs, self.plan.experiment.springs)
@@ -160,18 +162,15 @@ class Member:
             why = self._recording.diverges()
             if not why:
                 return ""
-        tries = f"a shorter simulation.timestep (now {dt:g} s)"
         if cycle == 0:
             by_hand = law.k_v is not None or law.k_p is not None
             smaller = (
                 "law.k_v and law.k_p" if by_hand else f"law.omega (now {plan.gains.omega:g} 1/s)"
             )
-            tries = f"{'smaller' if by_hand else 'a smaller'} {smaller} or {tries}"
+            a = "" if by_hand else "a "
+            tries = f"{a}smaller {smaller} or a shorter simulation.timestep (now {dt:g} s)"
         else:
-            key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
-            tries = f"a smaller law.{key} (now {now:g}) or {tries}"
-            if plan.gains.lead == 0:
-                tries = f"law.lead = 1, {tries}"
+            tries = calmer(plan)
         before = self._recording.last.get(segment)
         held = hindrances(plan, segment, before) if before else []
         if held:
