@@ -10,7 +10,7 @@ from ..experiments.law_section import Law
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
 
-BANDWIDTH = 60.0
+BANDWIDTH = 100.0
 """Feedback bandwidth ω [1/s] at time steps that allow it."""
 
 POSITION = 10.0
@@ -82,9 +82,9 @@ def gains(
     dt = experiment.simulation.timestep
     by_hand = law.k_v is not None or law.k_p is not None
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
-    fastest, own = 0.1 / dt, gravity_rate(kinematics)
-    omega = min(max(BANDWIDTH, 3 * own), fastest) if law.omega is None else law.omega
-    rate = min(max(POSITION, own), fastest)
+    own = gravity_rate(kinematics)
+    omega = min(max(BANDWIDTH, 3 * own), 0.3 / dt) if law.omega is None else law.omega
+    rate = min(max(POSITION, own), 0.1 / dt)
     alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
     inertial = omega * M + np.diag(_damping(robot, M, dt) + _dry_friction(robot, M, dt))

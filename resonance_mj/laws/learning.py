@@ -20,6 +20,8 @@ class Cycle(NamedTuple):
     """Error signal (8) (N, n) [rad/s]."""
     q: np.ndarray
     """Joint angles (N, n) [rad]."""
+    tau: np.ndarray
+    """Motor torque (N, n) [N m]."""
     q_desired: np.ndarray
     """Desired joint angles q_d (N, n) [rad]; of meaning only to laws that are told them."""
     springs: LinearSprings

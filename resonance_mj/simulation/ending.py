@@ -21,6 +21,9 @@ does."""
 RISING = 4
 """Cycles in a row that each exceed the one before where learning diverges."""
 
+LEAST_RISE = 1.05
+"""Factor by which they exceed it together."""
+
 WORTH = 0.01
 """Share of torque² without springs below which growth of torque² is none."""
 
@@ -155,7 +158,7 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
 
 def _growth(motion: MotionOfRun, factor: float) -> str:
     """From where the tracking error has grown so many times; empty if it has not."""
-    errors = motion.tracking_rms
+    errors = np.where(motion.passage, np.inf, motion.tracking_rms)
     lowest = int(np.argmin(errors))
     floor = max(errors[lowest], FLOOR * TRACKING * motion.size)
     if errors[-1] <= factor * floor:
@@ -180,7 +183,8 @@ def _faster(values: np.ndarray) -> bool:
     """
     rises = values[1:] / values[:-1]
     last, before = rises[-RISING:], rises[-2 * RISING : -RISING]
-    return len(before) == RISING and bool((last > 1).all() and last.prod() >= before.prod())
+    rise = max(before.prod(), LEAST_RISE)
+    return len(before) == RISING and bool((last > 1).all() and last.prod() >= rise)
 
 
 def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:

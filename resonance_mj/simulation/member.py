@@ -132,14 +132,15 @@ class Member:
         return found | {"x_desired": self._memory["x_desired"][self._index, :steps]}
 
     def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
-        """Replace the learned torque of a cycle by that of the next; a passage teaches nothing."""
+        """Replace the learned torque of a cycle by that of the next; short passages teach none."""
         memory, index, plan = self._memory, self._index, self.plan
         learned = signals["u"]
-        if not self._passing:
+        if not self._passing or plan.learns_on_the_way(cycle):
             done = learning.Cycle(
                 u=learned,
                 y=signals["y"],
                 q=signals["q"],
+                tau=signals["tau"],
                 q_desired=memory["q_desired"][index, : len(learned)],
                 springs=springs,
                 q_s=plan.q_s,
