@@ -189,7 +189,7 @@ WORTH_CHANGING = {
     "robot": ("mjcf", "tool", "joints", "home", "packages"),
     "task": ("coordinates",),
     "simulation": ("timestep",),
-    "motion.0": ("duration", "period", "shape", "center", "size", "plane"),
+    "motion.0": ("duration", "period", "blend", "shape", "center", "size", "plane"),
     "law": ("kind", "omega", "eta", "lead", "harmonics"),
     "springs": ("stiffness", "equilibrium"),
 }

@@ -7,7 +7,7 @@ from .expectations import Expect, Expected
 from .experiment import Experiment
 from .law_section import Law
 from .motion_section import Motion
-from .sections import Robot, Simulation, Springs, Task
+from .sections import JointSpring, Robot, Simulation, Springs, Task
 
 _SECTIONS: dict[str, type[BaseModel]] = {
     "robot": Robot,
@@ -16,6 +16,7 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "motion": Motion,
     "law": Law,
     "springs": Springs,
+    "springs.joint.NAME": JointSpring,
     "expect": Expect,
     "expect.stiffness": Expected,
 }

@@ -30,9 +30,9 @@ class Motion(Section):
     """Mass that the tool carries during this motion, as a point at the tool [kg]; laws are not told
     of it, and computed-torque knows it."""
     blend: Annotated[int, Field(ge=0, le=1000)] | None = None
-    """Cycles in which the arm passes over into this motion; 0 for a jump. From 4 on the law learns
-    on the way. If not given 1, or with the law transfer 12 where the motors are too weak to make
-    the motion without springs."""
+    """Cycles in which the arm passes over into this motion, 0 for a jump, from 4 on with learning
+    on the way; 1, or with the law transfer 12 where motors are too weak to make the motion without
+    springs, if not given."""
     center: Numbers | None = None
     """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
     is at home if not given."""

@@ -61,7 +61,11 @@ def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> st
     )
     names = _names(model)
     words = [str(part) for part in first["loc"]]
-    key = ".".join(word for word in words if word.isdigit() or word in names)
+    key = ".".join(
+        word
+        for before, word in zip(["", *words], words, strict=False)
+        if word.isdigit() or word in names or before == "joint"  # which are named by the arm
+    )
     if first["type"] == "extra_forbidden":
         key = ".".join(map(cut, words))
         section = _section(model, words[:-1])

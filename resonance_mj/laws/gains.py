@@ -9,6 +9,7 @@ from ..experiments.experiment import Experiment
 from ..experiments.law_section import Law
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
+from ..springs.bounds import JointBounds, per_joint
 
 BANDWIDTH = 100.0
 """Feedback bandwidth ω [1/s] at time steps that allow it."""
@@ -43,6 +44,7 @@ class Gains:
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
         torque_limit: least and greatest torque of each motor (n, 2) [N m].
+        bounds: what each joint's spring may be.
     """
 
     jacobian: str
@@ -59,6 +61,7 @@ class Gains:
     lead: int
     harmonics: int | None
     torque_limit: np.ndarray
+    bounds: JointBounds
 
 
 def gains(
@@ -116,6 +119,7 @@ def gains(
         lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
         torque_limit=robot.torque_limit,
+        bounds=per_joint(experiment.springs, robot.joints, f"experiment {experiment.name!r}"),
     )
 
 

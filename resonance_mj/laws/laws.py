@@ -11,7 +11,6 @@ from .controller import Command, joint_space, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
 
-
 LIMITED = 0.25
 """Share of a cycle, of all motors, at whose limits learning rests."""
 
@@ -73,7 +72,7 @@ def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment, q: str = "q")
 def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """What a spring can exert of the learned torque is handed to the spring."""
     v = _learned_torque(cycle, gains)
-    return learning.transfer(v, cycle.q, cycle.springs, experiment.springs)
+    return learning.transfer(v, cycle.q, cycle.springs, gains.bounds)
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:

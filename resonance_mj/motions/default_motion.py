@@ -7,9 +7,9 @@ import numpy as np
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
-from ..experiments.sections import Springs
 from ..robots.reach import reach
 from ..robots.touching import touching
+from ..springs.bounds import Bounds, per_joint
 from ..text import length
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
@@ -74,16 +74,17 @@ def filled_in(
     """
     robot = kinematics.robot
     at_home = kinematics.position(robot.home)
+    bounds = per_joint(experiment.springs, robot.joints, f"experiment {experiment.name!r}")
     filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"
         motion = motions.resolve(given, robot, at_home, name)
         try:
-            fitting = sized(motion, kinematics, name, alpha_0, experiment.springs)
+            fitting = sized(motion, kinematics, name, alpha_0, bounds)
         except NoRoomError as error:
             if given.center is not None:
                 raise
-            fitting = _beside(motion, kinematics, name, alpha_0, experiment.springs, error)
+            fitting = _beside(motion, kinematics, name, alpha_0, bounds, error)
             away = np.subtract(fitting.center or (), motion.center or ())
             notes.append(
                 f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
@@ -98,7 +99,7 @@ def sized(
     kinematics: Kinematics,
     name: str,
     alpha_0: float = 10.0,
-    bounds: Springs | None = None,
+    bounds: Bounds | None = None,
 ) -> Motion:
     """A motion with its size filled in, twice as long as high.
 
@@ -158,7 +159,7 @@ def _beside(
     kinematics: Kinematics,
     name: str,
     alpha_0: float,
-    bounds: Springs,
+    bounds: Bounds,
     error: NoRoomError,
 ) -> Motion:
     """A motion sized about the nearest center tried beside home that leaves room for it.
@@ -205,7 +206,7 @@ def _obstacle(
     middle: np.ndarray,
     name: str,
     alpha_0: float,
-    bounds: Springs | None,
+    bounds: Bounds | None,
 ) -> str:
     """Why the arm cannot follow a motion with margin; empty if it can."""
     robot, home = kinematics.robot, kinematics.robot.home

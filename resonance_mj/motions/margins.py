@@ -6,6 +6,7 @@ from ..experiments.sections import Springs
 from ..robots.reach import reach
 from ..robots.robot import Robot
 from ..robots.touching import UNFELT, touching
+from ..springs.bounds import Bounds
 from ..springs.optimum import best_springs
 from .kinematics import JointMotion, Kinematics
 
@@ -43,7 +44,7 @@ def touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
 
 
 def too_heavy(
-    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Springs | None
+    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Bounds | None
 ) -> str:
     """Which motor is too weak for a joint motion even with the best springs; empty if none is."""
     robot = kinematics.robot

@@ -83,7 +83,7 @@ class Plan:
     @cached_property
     def optima(self) -> list[Optimum]:
         """The best constant springs of each motion, by inverse dynamics; no law uses them."""
-        law, bounds, found = self.experiment.law, self.experiment.springs, []
+        law, bounds, found = self.experiment.law, self.gains.bounds, []
         for index, (joints, loaded) in enumerate(zip(self.joints, self.loaded, strict=True)):
             torque = self._heard(partial(loaded.torque, joints))
             # Springs of other laws than the printed ones are centred on the motion's own mean.
@@ -101,7 +101,7 @@ class Plan:
     @cached_property
     def holding(self) -> LinearSprings | None:
         """Springs that hold the arm at home from the first step; None where its motors can."""
-        return holding(self.experiment, self.loaded[0], self.q_c)
+        return holding(self.experiment, self.gains.bounds, self.loaded[0], self.q_c)
 
     @cached_property
     def q_s(self) -> np.ndarray:

@@ -28,7 +28,7 @@ def torque_limit(
     given: list[list[float]] = [
         sorted(speed * end for end in _joint_limit(model, j))
         for j, speed in moved
-        if _acting_on(model, j)
+        if _acting_on(model, j) or model.jnt_actfrclimited[j]
     ]
     low, high = np.sum(given or [list(_joint_limit(model, moved[0][0]))], axis=0)
     return (float(low), float(high)) if np.isfinite([low, high]).all() and low < high else None

@@ -55,7 +55,7 @@ class Member:
         robot.followers.move(qvel)
         positions = ["xyz".index(axis) for axis in robot.position_axes]
         memory["before"][index, positions] = start.x[: len(positions)]
-        load_springs(memory, index, start.springs, self.plan.experiment.springs)
+        load_springs(memory, index, start.springs, self.plan.gains.bounds)
         memory["learned"][index, : len(start.u)] = start.u
 
     def begin_cycle(self, cycle: int) -> None:
@@ -146,7 +146,7 @@ class Member:
                 q_s=plan.q_s,
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
-            load_springs(memory, index, springs, plan.experiment.springs)
+            load_springs(memory, index, springs, plan.gains.bounds)
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
 

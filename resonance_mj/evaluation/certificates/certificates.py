@@ -175,7 +175,7 @@ def _of_motion_made(run: Run, cycles: list[Cycle]) -> Optimum | None:
         last.tau + acting.torque(last.q),
         center=last.center,
         period=run.motions[last.motion].period,
-        bounds=run.experiment.springs,
+        bounds=run.plan.gains.bounds,
     )
 
 
@@ -215,7 +215,7 @@ def _of_optimum(
     rest = [unknown(motion, claim, why or NO_MOTION) for claim in (PASSIVE, FALLING)]
     if best is None:
         return [unknown(motion, OPTIMAL, NO_MOTION), *rest]
-    left = optimal(best, plan.experiment.springs)[None]
+    left = optimal(best, plan.gains.bounds)[None]
     twelve = left_over(motion, OPTIMAL, np.zeros(0, int), left, plan.robot.joints)
     if why:
         return [twelve, *rest]

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...experiments.sections import Springs
 from ...laws import learning
 from ...plan.plan import Plan
 from ...results.cycles import Cycle
+from ...springs.bounds import Bounds
 from ...springs.fit import LinearSprings, asked_for, feasible
 from ...springs.optimum import Optimum
 
@@ -28,19 +28,17 @@ def transferred(now: Cycle, then: Cycle, plan: Plan) -> tuple[np.ndarray, np.nda
     begins = LinearSprings(then.stiffness[0], then.offset[0], then.center)
     before = v + LinearSprings(now.last_stiffness, now.last_offset, now.center).torque(now.q)
     after = then.u + begins.torque(now.q)
-    left = untaken(then.u, now.q, begins, plan.experiment.springs)
+    left = untaken(then.u, now.q, begins, plan.gains.bounds)
     return share(after - before, before), share(left, v)
 
 
-def optimal(best: Optimum, bounds: Springs) -> np.ndarray:
+def optimal(best: Optimum, bounds: Bounds) -> np.ndarray:
     """(12), and with bounds what takes its place: the best springs take no more of τ_dopt (n,)."""
     left = untaken(best.torque, best.q, best.springs, bounds)
     return share(left, best.torque_without_springs)
 
 
-def untaken(
-    torque: np.ndarray, q: np.ndarray, acting: LinearSprings, bounds: Springs
-) -> np.ndarray:
+def untaken(torque: np.ndarray, q: np.ndarray, acting: LinearSprings, bounds: Bounds) -> np.ndarray:
     """Torque that would go from the motors to the springs if these were moved to the best feasible.
 
     It vanishes where the projected gradient of ∫τ² dt does, and is found from this torque alone, so
