@@ -13,8 +13,7 @@ from . import toml
 from .expectations import Expect
 from .law_section import Law
 from .motion_section import MOST_CYCLES, Motion
-from .section import Section
-from .sections import Robot, Simulation, Springs, Task
+from .sections import Robot, Section, Simulation, Springs, Task
 from .validation import plain, validated
 
 FEWEST_STEPS, MOST_STEPS = 8, 100_000

@@ -13,8 +13,17 @@ from ..robots.touching import touching
 from ..text import length
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
-from .margins import GLANCE, LIMITS, lacks_margin, to_limit, too_heavy, touches
-from .singular import NEAR_SINGULAR, jerk, nearness
+from .margins import (
+    GLANCE,
+    LIMITS,
+    NEAR_SINGULAR,
+    jerk,
+    lacks_margin,
+    nearness,
+    to_limit,
+    too_heavy,
+    touches,
+)
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
