@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import tomlkit
 
-from ..experiments.experiment import Experiment
-from ..experiments.keys import describe
+from ..experiments.experiment import Experiment, describe
 from ..laws.gains import Gains
 from ..motions.kinematics import JointMotion
 from ..plan.plan import Plan, plan_for

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from ..text import listed, nearest
-from .section import Alone, Angles, Gain, Gains, Name, Section
+from .sections import Alone, Angles, Gain, Gains, Name, Section
 
 KINDS = (
     "feedback",

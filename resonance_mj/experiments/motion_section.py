@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ..text import listed
-from .section import Finite, Name, Numbers, Positive, Rows, Section
+from .sections import Finite, Name, Numbers, Positive, Rows, Section
 
 MOST_CYCLES = 1_000_000
 """Cycles that a motion, and all of an experiment together, may have."""

@@ -1,15 +1,95 @@
-"""The sections [robot], [task], [simulation] and [springs] of an experiment file."""
+"""The sections [robot], [task], [simulation] and [springs], and the types that all share."""
 
 from __future__ import annotations
 
+import hashlib
 import math
+import tempfile
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    field_validator,
+    model_validator,
+)
 
 from ..text import shown
-from .model_objects import as_file
-from .section import Alone, Angles, Bound, Finite, Name, Numbers, Positive, Section, Stiffness
+
+
+def _one_alone(given: Any) -> Any:
+    """A list of one number or name may be written without brackets."""
+    return (given,) if isinstance(given, int | float | str) else given
+
+
+def _bound(given: float) -> float:
+    if not (abs(given) <= 1e9 or math.isinf(given)):
+        raise ValueError("valid are numbers from -1e9 to 1e9, and -inf or inf for no bound")
+    return given
+
+
+Name = Annotated[str, Field(max_length=4096, pattern=r"^[^\x00]*$")]
+"""Of a file, or of an element of the robot."""
+Finite = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True)]
+"""Lengths, angles and accelerations: beyond, sums of squares have no digits left."""
+Positive = Annotated[float, Field(gt=0, le=1e12, allow_inf_nan=False, strict=True)]
+Gain = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False, strict=True)]
+Stiffness = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False, strict=True)]
+Bound = Annotated[float, AfterValidator(_bound)]
+Alone = BeforeValidator(_one_alone)
+"""Lets a list take one value alone."""
+Numbers = Annotated[tuple[Finite, ...], Field(min_length=1), Alone]
+Rows = Annotated[tuple[Annotated[tuple[Finite, ...], Alone], ...], Alone]
+Gains = Gain | Annotated[tuple[Gain, ...], Field(min_length=1)]
+Angles = Finite | Annotated[tuple[Finite, ...], Field(min_length=1)]
+
+
+class Section(BaseModel):
+    """A table of the file: frozen, without unknown keys; each key's docstring says what it is."""
+
+    model_config = ConfigDict(
+        defer_build=True, frozen=True, extra="forbid", use_attribute_docstrings=True
+    )
+
+
+FOLDER = "models"
+"""Folder in the user's cache for models that were given from memory."""
+
+
+def as_file(given: Any) -> Any:
+    """The path of a file that holds an MjSpec or MjModel, the same for the same model.
+
+    Anything else is returned as it is.
+
+    Raises:
+        ValueError: MuJoCo cannot compile the MjSpec.
+    """
+    if not type(given).__module__.startswith("mujoco"):
+        return given
+    import mujoco
+    import numpy as np
+    from platformdirs import user_cache_path
+
+    model = given.compile() if isinstance(given, mujoco.MjSpec) else given
+    if not isinstance(model, mujoco.MjModel):
+        return given
+    buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    content = buffer.tobytes()
+    name = model.names.partition(b"\0")[0].decode(errors="replace")
+    safe = "".join(letter for letter in name if letter.isalnum() or letter in "-_") or "model"
+    folder = user_cache_path("resonance-mj") / FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{safe[:60]}-{hashlib.sha256(content).hexdigest()[:8]}.mjb"
+    if not path.is_file() or path.read_bytes() != content:
+        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
+            file.write(content)
+        Path(file.name).replace(path)
+    return str(path)
 
 
 class Robot(Section):

@@ -24,11 +24,6 @@ Model = TypeVar("Model", bound=BaseModel)
 def validated(model: type[Model], values: dict[str, Any], source: str) -> Model:
     """Values as a section.
 
-    Args:
-        model: the section, or the whole experiment.
-        values: its keys and values, sections inside it as dictionaries.
-        source: what the error names: a file, or an experiment.
-
     Raises:
         ExperimentError: the first key or value that is not valid, and what would be.
     """

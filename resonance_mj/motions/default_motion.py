@@ -13,8 +13,17 @@ from ..springs.bounds import Bounds, per_joint
 from ..text import length
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
-from .margins import GLANCE, LIMITS, lacks_margin, to_limit, too_heavy, touches
-from .singular import NEAR_SINGULAR, jerk, nearness
+from .margins import (
+    GLANCE,
+    LIMITS,
+    NEAR_SINGULAR,
+    jerk,
+    lacks_margin,
+    nearness,
+    to_limit,
+    too_heavy,
+    touches,
+)
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
@@ -43,12 +52,7 @@ REACHED = 1e3 * TOLERANCE
 
 
 class NoRoomError(MotionError):
-    """The arm follows no size of a motion about its center with margin.
-
-    Args:
-        message: what the user is told.
-        reason: why not, in a few words.
-    """
+    """The arm follows no size of a motion about its center with margin, for a short `reason`."""
 
     def __init__(self, message: str, reason: str) -> None:
         super().__init__(message)
@@ -60,13 +64,8 @@ def filled_in(
 ) -> Experiment:
     """The experiment with what it left open in its motions filled in.
 
-    A motion of no size and no center, for which home leaves no room, gets a center beside it.
-
-    Args:
-        experiment: as it was given.
-        kinematics: of the robot.
-        alpha_0: rate at which the posture is taken back [1/s].
-        notes: get a line of each center that is not at home.
+    A motion of no size and no center, for which home leaves no room, gets a center beside it, and
+    `notes` a line that says so. The posture is taken back at the rate alpha_0 [1/s].
 
     Raises:
         ExperimentError: a motion does not fit the task.
@@ -107,13 +106,6 @@ def sized(
     from singular poses and joint limits, nothing touches on the way, and the motors' limits suffice
     with the best springs. It is the same for the same robot and motion.
 
-    Args:
-        motion: resolved but for its size.
-        kinematics: of the robot.
-        name: how messages call the motion.
-        alpha_0: rate at which the posture is taken back [1/s].
-        bounds: of the springs.
-
     Raises:
         NoRoomError: the arm follows no size of it with margin.
         MotionError: its center is out of reach.
@@ -139,12 +131,7 @@ def sized(
 
 
 def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
-    """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach.
-
-    Args:
-        experiment: with its motions filled in.
-        kinematics: of the robot.
-    """
+    """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach."""
     robot, found = kinematics.robot, []
     for motion in experiment.motion:
         x = motions.sample(motion, POINTS, robot).x.mean(axis=0)

@@ -8,7 +8,7 @@ from ..experiments.experiment import Experiment
 from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
-from ..motions.singular import jerk
+from ..motions.margins import jerk
 from ..robots.robot import Robot
 from ..robots.touching import PASSING, touching
 from ..springs.fit import LinearSprings

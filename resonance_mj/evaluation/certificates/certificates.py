@@ -17,8 +17,7 @@ from ...results.run import Run, Status
 from ...springs.fit import LinearSprings
 from ...springs.optimum import Optimum, best_springs
 from ...text import listed, shown
-from .lyapunov import Balance, balance
-from .orthogonality import Handover, optimal, printed, transferred
+from .proof import Balance, Handover, balance, optimal, printed, transferred
 
 FLOOR = 1e-6
 """Changes of N below this share of a motion's first N are the integrator's, not the law's."""
