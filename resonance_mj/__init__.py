@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .results.run import Run, Status
     from .simulation.simulation import simulate, simulate_many
     from .springs.optimum import Optimum
+    from .sweeps.sweep import sweep
 
 _HOMES = {
     "Certificate": "evaluation.certificates.certificates",
@@ -40,6 +41,7 @@ _HOMES = {
     "simulate": "simulation.simulation",
     "simulate_many": "simulation.simulation",
     "render": "pictures.film.video",
+    "sweep": "sweeps.sweep",
     "view": "pictures.viewer.view",
 }
 
@@ -62,6 +64,7 @@ __all__ = [
     "report",
     "simulate",
     "simulate_many",
+    "sweep",
     "view",
 ]
 

@@ -21,6 +21,11 @@ def experiments() -> dict[str, Path]:
     return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
 
 
+def sweeps() -> dict[str, Path]:
+    """Built-in sweeps: name -> TOML file, in alphabetical order."""
+    return {path.stem: path for path in sorted(folder("runs").glob("sweeps/*.toml"))}
+
+
 def robots() -> dict[str, Path]:
     """Built-in robots: file name -> MJCF file, in alphabetical order."""
     return {path.name: path for path in sorted(folder("mjcf").glob("*.xml"))}

@@ -10,7 +10,13 @@ from typing import NoReturn
 
 from ..errors import ExperimentError, ResonanceError
 from ..text import cut, nearest, one_line
-from . import experiment_commands, keys_as_options, library_commands, run_commands
+from . import (
+    experiment_commands,
+    keys_as_options,
+    library_commands,
+    run_commands,
+    sweep_commands,
+)
 from .command import BAD_INPUT, DONE, ENDED_BY_SIGNAL, complain
 
 COMMANDS = {
@@ -18,6 +24,7 @@ COMMANDS = {
     "optimum": experiment_commands.optimum,
     "inspect": experiment_commands.inspect,
     "compare": experiment_commands.compare,
+    "sweep": sweep_commands.sweep,
     "plot": run_commands.plot,
     "certify": run_commands.certify,
     "check": experiment_commands.check,

@@ -66,7 +66,7 @@ def _chosen(options: Namespace, **more: Any) -> rmj.RenderOptions:
 
 
 @command(
-    _runs(", such as runs/paper; several: compared in one figure"),
+    _runs(", such as runs/paper, or a sweep's; several runs: compared in one figure"),
     argument(
         "--figure",
         f"{', '.join(entry.name for entry in FIGURES)}; again or with commas for several; "
@@ -82,9 +82,14 @@ def _chosen(options: Namespace, **more: Any) -> rmj.RenderOptions:
 )
 def plot(options: Namespace) -> None:
     """Draw the figures of a saved run, or several runs in one figure."""
+    from ..sweeps.dataset import opened
+
     names = [name for given in options.figures or [] for name in given.split(",")]
+    of_sweep = options.runs[0] / "sweep.nc"
+    if of_sweep.is_file() and len(options.runs) > 1:
+        raise ExperimentError(f"{options.runs[0]}: is a sweep; a sweep is drawn alone")
     written = rmj.plot(
-        [rmj.Run.load(folder) for folder in options.runs],
+        opened(of_sweep) if of_sweep.is_file() else [rmj.Run.load(one) for one in options.runs],
         options.out or options.runs[0],
         figures=names or None,
         formats=options.format.split(","),

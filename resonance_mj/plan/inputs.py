@@ -6,7 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
+from .. import library
 from ..experiments.experiment import Experiment
+from ..robots import mjcf, source
 
 
 class Input(NamedTuple):
@@ -27,13 +29,17 @@ class Input(NamedTuple):
         return self.path.is_file() and digest(self.path) == self.digest
 
 
-def gather(experiment: Experiment, robot: list[Path]) -> tuple[Input, ...]:
-    """The files that an experiment depends on.
+def gather(experiment: Experiment) -> tuple[Input, ...]:
+    """The files that an experiment depends on: its robot's, the MJCF first, law and waypoints.
 
-    Args:
-        experiment: names a law, and waypoints.
-        robot: its robot's files, the MJCF first; none for one that comes with the program.
+    A robot that comes with the program is known by its name and the program's version.
+
+    Raises:
+        RobotError: the robot's file is missing, or MuJoCo rejects it.
     """
+    path = mjcf.find(experiment.robot.mjcf)
+    built_in = path in library.robots().values()
+    robot = [] if built_in else source.files(path, experiment.robot.packages)
     root = os.path.commonpath([file.parent for file in robot]) if robot else ""
     keys = ["robot.mjcf", *[""] * len(robot)]
     named = [

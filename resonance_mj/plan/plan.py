@@ -7,7 +7,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from .. import library
 from ..callback.callback import refuse_foreign
 from ..errors import StabilityError
 from ..experiments.effects import without_effect
@@ -19,7 +18,6 @@ from ..laws.memory import Layout, layout_of
 from ..motions import default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
-from ..robots import source
 from ..robots.robot import Robot, build
 from ..robots.warned import heard
 from ..springs.fit import LinearSprings
@@ -49,6 +47,7 @@ class Plan:
         law: what the law does.
         gains: that it has on the robot.
         left: what the arm did before; None if it was at rest at home.
+        looks: whether what is doubtful is looked for, which takes a while.
     """
 
     experiment: Experiment
@@ -58,6 +57,7 @@ class Plan:
     law: Law
     gains: Gains
     left: Left | None
+    looks: bool
     _followed: Followed = field(repr=False)
     _warned: list[str] = field(default_factory=list, repr=False)
 
@@ -117,18 +117,14 @@ class Plan:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What is doubtful, a `Caution` each, and then what was found or changed, a line each."""
-        lines = dict.fromkeys((*self._heard(self._look), *self._warned))
+        seen = self._heard(self._look) if self.looks else self.robot.notes
+        lines = dict.fromkeys((*seen, *self._warned))
         return tuple(sorted(lines, key=lambda line: not isinstance(line, Caution)))
 
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
-        """The files that the experiment depends on, as they are when it is first asked for them.
-
-        A robot that comes with the program is known by its name and the program's version.
-        """
-        built_in = self.robot.path in library.robots().values()
-        files = [] if built_in else source.files(self.robot.path, self.experiment.robot.packages)
-        return gather(self.experiment, files)
+        """The files that the experiment depends on, as they are when it is first asked for them."""
+        return gather(self.experiment)
 
     @property
     def layout(self) -> Layout:
@@ -242,7 +238,11 @@ class Plan:
 
 
 def plan_for(
-    experiment: Experiment, followed: Followed | None = None, left: Left | None = None
+    experiment: Experiment,
+    followed: Followed | None = None,
+    left: Left | None = None,
+    *,
+    looks: bool = True,
 ) -> Plan:
     """Load the law and the robot of an experiment, and fill in what it leaves open.
 
@@ -251,6 +251,7 @@ def plan_for(
         followed: joint motions of experiments before, taken from here and added here.
         left: what the arm did before, if it was not at rest; the same motion goes on without a
             passage.
+        looks: whether its notes say what is doubtful, and what will diverge.
 
     Raises:
         ExperimentError: a list in the experiment is not as long as the arm or the task needs.
@@ -285,6 +286,7 @@ def plan_for(
         law=law,
         gains=chosen,
         left=left,
+        looks=looks,
         _followed={} if followed is None else followed,
         _warned=warned,
     )

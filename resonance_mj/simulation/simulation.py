@@ -104,6 +104,13 @@ def simulate_many(
         if strict:
             plan.refuse_unstable()
         _ = plan.notes  # what cannot be made is refused before the first step of any
+    return simulate_together(plans, threads=threads, progress=progress)
+
+
+def simulate_together(
+    plans: Sequence[Plan], *, threads: int = 0, progress: Progress | None = None
+) -> list[Run]:
+    """Simulate plans, those that fit together in one `mujoco.batch`; see `simulate_many`."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, plan in enumerate(plans):
         groups.setdefault(plan.fits_with, []).append(index)

@@ -10,13 +10,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ...errors import PictureError
 from ...files import replacing, writable
 from ...text import nearest, shown
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
     from ...results.run import Run
@@ -177,7 +178,7 @@ def named(name: str) -> Entry:
 
 
 def plot(
-    runs: Run | Sequence[Run],
+    runs: Run | Sequence[Run] | xr.Dataset,
     folder: str | os.PathLike[str],
     *,
     figures: Sequence[str] | None = None,
@@ -190,10 +191,11 @@ def plot(
     Nothing is written unless all can be drawn.
 
     Args:
-        runs: one run, or several that are compared.
+        runs: one run, several that are compared, or the dataset of a sweep.
         folder: where to write; made if needed.
         figures: names from the catalogue: overview, cycles, springs, path of one run, convergence
-            of several; all that can be drawn of these runs if None.
+            of several; of a sweep figures per motion as in its dataset, or torque_share. All that
+            can be drawn of these runs if None, of a sweep torque_share and cycles_to_optimum.
         formats: any of svg, png and pdf.
         width: column (3.5 in), page (7.16 in), or inches.
         dpi: pixels per inch of a PNG; fewer where it would have more than 65 000 along a side.
@@ -206,7 +208,6 @@ def plot(
             figure shows.
         OutputError: the folder cannot be written.
     """
-    several = list(runs) if isinstance(runs, Iterable) else [runs]
     wide = _inches(width)
     unknown = [kind for kind in formats if kind not in KINDS]
     if unknown or not formats:
@@ -214,11 +215,18 @@ def plot(
         raise PictureError(f"{what}; there are {', '.join(KINDS)}")
     if not COARSEST <= dpi <= FINEST:
         raise PictureError(f"dpi {dpi:g}: give pixels per inch from {COARSEST} to {FINEST}")
-    chosen = [named(name) for name in dict.fromkeys(figures or [])] or fitting(several)
-    if not chosen:
-        reasons = "; ".join(f"{one.name} {one.lacks(several)}" for one in FIGURES)
-        raise PictureError(f"no figure can be drawn: {reasons}")
-    drawn = [(entry.stem or entry.name, entry.draw(several, wide)) for entry in chosen]
+    if hasattr(runs, "data_vars"):
+        from . import sweep_figure
+
+        metrics = figures or ("torque_share", "cycles_to_optimum")
+        drawn = [(one, sweep_figure.figure(cast("xr.Dataset", runs), one, wide)) for one in metrics]
+    else:
+        several = list(cast("Iterable[Run]", runs)) if isinstance(runs, Iterable) else [runs]
+        chosen = [named(name) for name in dict.fromkeys(figures or [])] or fitting(several)
+        if not chosen:
+            reasons = "; ".join(f"{one.name} {one.lacks(several)}" for one in FIGURES)
+            raise PictureError(f"no figure can be drawn: {reasons}")
+        drawn = [(entry.stem or entry.name, entry.draw(several, wide)) for entry in chosen]
     folder = writable(folder)
     return [path for stem, each in drawn for path in save(each, folder, stem, formats, dpi)]
 

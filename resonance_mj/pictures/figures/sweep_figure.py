@@ -1,0 +1,126 @@
+"""A sweep as a figure: a line over one key, a map over two, or all runs over each of more keys."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from ...errors import PictureError
+from ...text import listed, shown
+from ..palette import SERIES
+from .style import styled
+
+LABELS = {
+    "torque_share": "share of the possible reduction",
+    "cycles_to_optimum": "cycles to the optimum",
+    "tracking_rms": "tracking RMS [m]",
+}
+"""What axes are called, where the variable's name and unit would say less."""
+
+BAD = "0.85"
+"""Colour of runs without a value: that never got there, diverged or were refused."""
+
+
+@styled()
+def figure(data: xr.Dataset, metric: str, width: float) -> Figure:
+    """A panel for each motion, and each key where there are more than two.
+
+    Args:
+        data: from `sweep`.
+        metric: one of the dataset's figures per motion, or torque_share: the reduction over that of
+            the optimum. Runs that are not ok have none.
+        width: of the figure [in].
+
+    Raises:
+        PictureError: the dataset has no such figure.
+    """
+    values = _values(data, metric)
+    keys = [str(name) for name in data.coords if name not in ("motion", "joint", "cycle", "run")]
+    grid = all(key in data.dims for key in keys)
+    panels = 1 if grid and len(keys) < 3 else len(keys)
+    motions = data.sizes["motion"]
+    drawn = Figure(figsize=(width, 0.5 + 2.3 * panels), layout="constrained")
+    drawn.suptitle(f"{data.attrs['title'].removeprefix('resonance-mj ')}", x=0.01, ha="left")
+    axes = drawn.subplots(panels, motions, squeeze=False, sharey="row")
+    for column, motion in enumerate(data["motion"].values):
+        of_motion = values.sel(motion=motion)
+        if grid and len(keys) == 2:
+            _map(axes[0, column], of_motion, keys, label(data, metric))
+        else:
+            for row, key in enumerate(keys[:panels]):
+                _over(axes[row, column], of_motion, data["status"], key, joined=len(keys) == 1)
+                axes[row, 0].set_ylabel(label(data, metric))
+        axes[0, column].set_title(f"motion {motion}")
+    return drawn
+
+
+def label(data: xr.Dataset, metric: str) -> str:
+    """What the axis of a metric is called."""
+    if metric in LABELS:
+        return LABELS[metric]
+    units = data[metric].attrs.get("units", "1")
+    units = units.replace("^2", "²").replace(" / ", "/")
+    return metric.replace("_", " ") + (f" [{units}]" if units != "1" else "")
+
+
+def _values(data: xr.Dataset, metric: str) -> xr.DataArray:
+    if metric == "torque_share":
+        found = data["torque_reduction"] / data["torque_reduction_optimal"]
+    elif metric in data and "motion" in data[metric].dims and "joint" not in data[metric].dims:
+        found = data[metric]
+    else:
+        per_motion = [str(n) for n in data if {"motion"} == set(data[n].dims) & {"motion", "joint"}]
+        raise PictureError(
+            f"metric {shown(metric)} is unknown; there are {listed(['torque_share', *per_motion])}"
+        )
+    return found.where(data["status"] == "ok")
+
+
+def _map(ax: Axes, values: xr.DataArray, keys: list[str], name: str) -> None:
+    """A map over two keys, the cells numbered along their values."""
+    table = values.transpose(*keys).values.T
+    known = table[np.isfinite(table)]
+    wide = known.size and known.min() > 0 and known.max() > 30 * known.min()
+    cells = ax.pcolormesh(
+        np.ma.masked_invalid(table),
+        cmap="viridis",
+        norm=LogNorm() if wide else None,
+        edgecolors="white",
+        linewidth=0.5,
+    )
+    ax.set_facecolor(BAD)
+    ax.grid(visible=False)
+    for axis, key in zip((ax.xaxis, ax.yaxis), keys, strict=True):
+        ticks = values[key].values
+        step = max(1, -(-len(ticks) // 9))
+        axis.set_ticks(np.arange(len(ticks))[::step] + 0.5, [_tick(t) for t in ticks[::step]])
+        axis.set_label_text(key)
+    bar = ax.figure.colorbar(cells, ax=ax)
+    bar.set_label(f"{name} (grey: not ok, or never)")
+
+
+def _over(ax: Axes, values: xr.DataArray, status: xr.DataArray, key: str, *, joined: bool) -> None:
+    """Values over a key; crosses at the bottom where runs are not ok."""
+    place = xr.broadcast(values[key], values)[0].values.ravel()
+    number = place.dtype.kind == "f"
+    if not number:
+        names = list(dict.fromkeys(place.tolist()))
+        place = np.array([names.index(one) for one in place])
+        ax.set_xticks(range(len(names)), [_tick(name) for name in names])
+    y = values.values.ravel()
+    ax.plot(place, y, "o-" if joined else "o", markersize=3, color=SERIES[0])
+    bad = (status != "ok").values.ravel()
+    across = ax.get_xaxis_transform()
+    ax.plot(place[bad], np.full(bad.sum(), 0.03), "x", color=SERIES[1], transform=across)
+    ratios = np.diff(np.log(np.unique(place))) if number and (place > 0).all() else np.zeros(0)
+    if len(ratios) > 1 and np.ptp(ratios) < 0.5 * ratios.mean():
+        ax.set_xscale("log")
+    known = y[np.isfinite(y)]
+    if known.size and known.min() > 0 and known.max() > 30 * known.min():
+        ax.set_yscale("log")
+    ax.set_xlabel(f"{key}  (×: not ok)" if bad.any() else key)
+
+
+def _tick(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)[:20]

@@ -1,0 +1,1 @@
+"""Many experiments that differ in some of their keys, as one dataset."""

@@ -1,0 +1,216 @@
+"""A sweep: many experiments in shards, each on disk before it counts, and one dataset of all."""
+
+import csv
+import hashlib
+import io
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from ..callback.callback import refuse_another
+from ..errors import ExperimentError, OutputError, ResonanceError
+from ..experiments.experiment import Experiment
+from ..experiments.sweeping import Sweep, load_sweep, sweep_of
+from ..files import write
+from ..plan.inputs import gather
+from ..plan.plan import Followed, plan_for
+from ..results.run import versions
+from ..simulation.simulation import simulate_together
+from . import dataset
+from .dataset import Outcome
+
+SHARD = 16
+"""Experiments that are simulated together and kept together."""
+
+WHOLE, TABLE, SETTINGS = "sweep.nc", "summary.csv", "sweep.json"
+"""Files of a finished sweep, and the one that says of which sweep a folder is."""
+
+Progress = Callable[[int, int, int], None]
+"""Called with the experiments done, those in all, and those of which the run is not ok."""
+
+
+def sweep(
+    given: str | os.PathLike[str] | Experiment,
+    keys: Mapping[str, Any] | None = None,
+    *,
+    how: str = "grid",
+    count: int | None = None,
+    method: str = "sobol",
+    seed: int = 0,
+    folder: str | os.PathLike[str] | None = None,
+    threads: int = 0,
+    yes: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Simulate an experiment with many values of some of its keys.
+
+    With a folder, each 16 experiments are written as they are finished: a sweep that was
+    interrupted, in any way, goes on there with the same call, and ends with the same bits.
+
+    Args:
+        given: a sweep's TOML file, or an experiment (or its name) whose keys are varied.
+        keys: of an experiment: a list of values of each, or a range
+            {"from": 1, "to": 10, "count": 4, "scale": "log"}.
+        how: grid, zip or sample.
+        count: experiments of a sample.
+        method: of a sample, sobol or random.
+        seed: of a sample.
+        folder: where shards and the result are written; nothing is if None.
+        threads: how many to simulate with; 0 for all cores.
+        yes: allow a grid of more than a million experiments.
+        progress: called as experiments are done.
+
+    Returns:
+        Dimensions named after the keys of a grid, else `run`; motion, joint and cycle. Per motion
+        the figures of the last cycle beside the optimum's, per cycle torque² and tracking error;
+        the status of each run, "refused" with the reason for one that could not begin.
+
+    Raises:
+        ExperimentError: a key or a value is not valid.
+        OutputError: the folder cannot be written, or is of another sweep.
+    """
+    refuse_another()
+    base = given if isinstance(given, Experiment) else None
+    name = given.name if isinstance(given, Experiment) else os.fspath(given)
+    if keys is None and base is not None:
+        raise ExperimentError(f"sweep of {name}: keys are missing: which values to try")
+    if keys is None:
+        settings = load_sweep(name)
+    else:
+        values: dict[str, Any] = {"experiment": name, "keys": dict(keys), "how": how}
+        values |= {"method": method, "seed": seed, "count": count}
+        settings = sweep_of(values, f"sweep of {name}")
+    experiments = settings.experiments(base, yes=yes)
+    return _swept(settings, experiments, Path(folder) if folder else None, threads, progress)
+
+
+def _swept(
+    settings: Sweep,
+    experiments: Sequence[Experiment],
+    folder: Path | None,
+    threads: int,
+    progress: Progress | None,
+) -> xr.Dataset:
+    shards = [experiments[i : i + SHARD] for i in range(0, len(experiments), SHARD)]
+    made = _Made()
+    names = [made.name(shard) for shard in shards]
+    whole = hashlib.sha256("".join(names).encode()).hexdigest()
+    if folder is not None:
+        _claim(folder, settings, experiments)
+        if (found := _finished(folder, whole)) is not None:
+            return found
+    outcomes: list[Outcome] = []
+    for name, shard in zip(names, shards, strict=True):
+        kept = None if folder is None else dataset.read(folder / "shards" / name)
+        if kept is None:
+            kept = simulated(shard, threads)
+            if folder is not None:
+                write(folder / "shards", {name: dataset.written(kept)})
+        outcomes += kept
+        if progress:
+            bad = sum(one.status != "ok" for one in outcomes)
+            progress(len(outcomes), len(experiments), bad)
+    found = dataset.of(settings, outcomes).assign_attrs(key=whole)
+    if folder is not None:
+        write(
+            folder,
+            {WHOLE: bytes(found.to_netcdf(engine="h5netcdf")), TABLE: _table(settings, outcomes)},
+        )
+        for old in (folder / "shards").iterdir():
+            old.unlink()
+        (folder / "shards").rmdir()
+    return found
+
+
+class _Made:
+    """The names of shards: other ones for other experiments, files or versions."""
+
+    def __init__(self) -> None:
+        self._versions = json.dumps(versions())
+        self._inputs: dict[tuple[str, ...], list[str]] = {}
+
+    def name(self, shard: Sequence[Experiment]) -> str:
+        told = hashlib.sha256(self._versions.encode())
+        for experiment in shard:
+            files = [experiment.robot.mjcf, *experiment.robot.packages, experiment.law.kind]
+            files += [motion.file or "" for motion in experiment.motion]
+            if tuple(files) not in self._inputs:
+                try:
+                    found = [one.digest for one in gather(experiment)]
+                except (ResonanceError, OSError) as error:  # said of the run
+                    found = [str(error)]
+                self._inputs[tuple(files)] = found
+            told.update(experiment.to_toml().encode())
+            told.update("".join(self._inputs[tuple(files)]).encode())
+        return told.hexdigest()
+
+
+def simulated(experiments: Sequence[Experiment], threads: int = 0) -> list[Outcome]:
+    """What comes of experiments, those that can begin together; only what is said of each is kept.
+
+    Args:
+        experiments: what to simulate.
+        threads: how many to use; 0 for all cores.
+    """
+    followed: Followed = {}
+    plans, outcomes = {}, {}
+    for index, experiment in enumerate(experiments):
+        if "samples" not in experiment.simulation.model_fields_set:
+            experiment = experiment.replace({"simulation.samples": 1})
+        try:
+            plan = plan_for(experiment, followed, looks=False)
+            _ = plan.optima
+        except ResonanceError as error:
+            outcomes[index] = Outcome.refused(str(error))
+        else:
+            plans[index] = plan
+    runs = simulate_together(list(plans.values()), threads=threads)
+    for index, run in zip(plans, runs, strict=True):
+        outcomes[index] = Outcome.of(run)
+    return [outcomes[index] for index in range(len(experiments))]
+
+
+def _claim(folder: Path, settings: Sweep, experiments: Sequence[Experiment]) -> None:
+    """Take a folder for a sweep; refused if it is another's."""
+    told = hashlib.sha256()
+    for experiment in experiments:
+        told.update(experiment.to_toml().encode())
+    values = settings.model_dump(mode="json", by_alias=True) | {"experiments": told.hexdigest()}
+    path, said = folder / SETTINGS, json.dumps(values, indent=2) + "\n"
+    if path.is_file():
+        if path.read_text(encoding="utf-8") != said:
+            raise OutputError(
+                f"{folder}: holds another sweep, or this one with other settings; give another "
+                "folder, or remove it"
+            )
+        return
+    if folder.is_dir() and any(folder.iterdir()):
+        raise OutputError(f"{folder}: is not empty, and no sweep's; give another folder")
+    write(folder, {SETTINGS: said.encode()})
+
+
+def _finished(folder: Path, whole: str) -> xr.Dataset | None:
+    """The result that a folder holds, if it is of these experiments, files and versions."""
+    try:
+        found = dataset.opened(folder / WHOLE)
+    except OutputError:
+        return None
+    return found if found.attrs.get("key") == whole else None
+
+
+def _table(settings: Sweep, outcomes: Sequence[Outcome]) -> bytes:
+    """A line per experiment and motion, for a spreadsheet."""
+    text = io.StringIO()
+    lines = csv.writer(text)
+    names = list(settings.keys)
+    lines.writerow([*names, "status", "motion", *dataset.FIGURES, "message"])
+    for point, outcome in zip(settings.points(), outcomes, strict=True):
+        values = [json.dumps(v) if isinstance(v, list | dict) else v for v in point.values()]
+        for motion, figures in enumerate(outcome.motions or [{}]):
+            cells = ["" if figures.get(name) is None else figures[name] for name in dataset.FIGURES]
+            lines.writerow([*values, outcome.status, motion + 1, *cells, outcome.message])
+    return text.getvalue().encode()
