@@ -269,11 +269,10 @@ def _inches(width: str | float) -> float:
 
 
 def _has(run: Run, needs: str) -> bool:
+    data, whole = run.data, run.data.sizes.get("cycle", 0)
     if needs == CYCLE:
-        return bool(run.data.sizes.get("cycle", 0))
-    if not run.data.sizes.get("time", 0) or "q" not in run.data:
+        return bool(whole)
+    if not data.sizes.get("time", 0) or "q" not in data:
         return False
-    if needs == SAMPLES:
-        return True
     # A run that diverged ends within a cycle.
-    return bool((run.data["cycle_of_sample"] <= run.data.sizes["cycle"]).any())
+    return needs == SAMPLES or bool((data["cycle_of_sample"] <= whole).any())

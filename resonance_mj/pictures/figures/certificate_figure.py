@@ -19,18 +19,17 @@ NOTHING = 1e-17
 
 
 @styled()
-def figure(found: Certificates, width: float = PAGE) -> Figure:
+def figure(found: Certificates) -> Figure:
     """A column for each motion that was reached; cycles that fail are marked.
 
     Args:
         found: from `certify`.
-        width: of the figure [in].
     """
     rows = [found.of(equation) for equation in DRAWINGS]
     columns = list(zip(*rows, strict=True))
     reached = [column for column in columns if any(item.cycles.size for item in column)] or columns
     sheet = Sheet(
-        max(width, NARROW * len(reached)),
+        max(PAGE, NARROW * len(reached)),
         [Row(1.3, 0.34, 0.34)] * len(rows),
         len(reached),
         heading=f"{found.name}: certificates of the stability proof",

@@ -1,15 +1,12 @@
 """The figure of a comparison: torque² and tracking of every law per cycle, and in the long run."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...evaluation.comparison import Comparison
-from ...results.run import Run
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycles
 from .catalogue import PAGE
@@ -42,61 +39,50 @@ LINES = {
 
 
 @styled()
-def figure(comparison: Comparison, width: float = PAGE) -> Figure:
+def figure(comparison: Comparison) -> Figure:
     """Torque² per cycle as a multiple of the optimum's, the tool's errors, and the long run.
 
     Args:
         comparison: of runs with at least one whole cycle.
-        width: of the figure [in].
     """
-    name, runs, long = comparison.experiment.name, comparison.runs, comparison.long
-    over_cycles = 1 + len(cycles.errors([*runs.values()]))
+    runs, long = [*comparison.runs.values()], comparison.long
+    over_cycles = 1 + len(cycles.errors(runs))
     sheet = Sheet(
-        width,
+        PAGE,
         [Row(1.7)] * (over_cycles + bool(long)),
-        heading=f"{name}: the same motions under {len(runs)} laws",
+        heading=f"{comparison.experiment.name}: the same motions under {len(runs)} laws",
         right=LEGEND,
     )
-    axes = convergence.panels(sheet, [*runs.values()], [LINES[law] for law in runs])
+    axes = convergence.panels(sheet, runs, [LINES[law] for law in comparison.runs])
     for ax in axes:
         cycles.motions(ax, comparison.experiment, named=True)
     axes[0].axhline(1.0, color=DESIRED, linewidth=0.6)
     if long:
         title = "the last motion repeated"
         full = f"{title}: as (a) [1]; a cross where a law diverged"
-        _long_runs(sheet.panel(over_cycles, 0, full, f"{title} [1]"), long)
+        ax = sheet.panel(over_cycles, 0, full, f"{title} [1]")
+        for law, run in long.items():
+            values = cycles.ratio(run)[run.data["segment_of_cycle"] == run.motions[-1].number]
+            cycles.curve(ax, run, values, np.arange(1, len(values) + 1), **LINES[law])
+        ax.axhline(1.0, color=DESIRED, linewidth=0.6)
+        ax.set(xscale="log", xlabel="cycle of the last motion")
+        ax.set_xlim(left=1)
+        ax.xaxis.set_major_formatter("{x:g}")
     for ax in sheet.figure.axes:
         logarithmic(ax)
-    _legend(sheet.figure, comparison, 1 - (LEGEND - 0.12) / width)
-    return sheet.figure
-
-
-def _long_runs(ax: Axes, long: Mapping[str, Run]) -> None:
-    """Torque² of the last motion, repeated, as a multiple of the optimum's."""
-    for name, run in long.items():
-        values = cycles.ratio(run)[run.data["segment_of_cycle"] == run.motions[-1].number]
-        cycles.curve(ax, run, values, np.arange(1, len(values) + 1), **LINES[name])
-    ax.axhline(1.0, color=DESIRED, linewidth=0.6)
-    ax.set_xscale("log")
-    ax.set_xlim(left=1)
-    ax.xaxis.set_major_formatter("{x:g}")
-    ax.set_xlabel("cycle of the last motion")
-
-
-def _legend(drawn: Figure, comparison: Comparison, left: float) -> None:
-    """Every law, and below its name what became of it in the long run."""
-    verdicts = {name: comparison.verdict(name) for name in comparison.titles}
-    drawn.legend(
-        [Line2D([], [], **LINES[name]) for name in comparison.titles],
+    # Every law, and below its name what became of it in the long run.
+    sheet.figure.legend(
+        [Line2D([], [], **LINES[law]) for law in comparison.titles],
         [
-            title + (f"\n{verdicts[name]}" if verdicts[name] else "")
-            for name, title in comparison.titles.items()
+            f"{title}\n{comparison.verdict(law) or ''}".rstrip()
+            for law, title in comparison.titles.items()
         ],
         loc="upper left",
-        bbox_to_anchor=(left, drawn.axes[0].get_position().y1),
-        title="law, and its long run" if comparison.long else "law",
+        bbox_to_anchor=(1 - (LEGEND - 0.12) / PAGE, axes[0].get_position().y1),
+        title="law, and its long run" if long else "law",
         title_fontsize=SMALL,
         alignment="left",
         handlelength=3.0,
         labelspacing=0.8,
     )
+    return sheet.figure

@@ -79,8 +79,7 @@ def _places(
         for column, name in enumerate(per_joint):
             places |= {(name, j): (above + j, column) for j in range(joints)}
         tall = 0.75 if joints <= 4 else 0.54
-        rows = [Row(0.8)] * above
-        rows += [Row(tall, 0.06)] * (joints - 1) + [Row(tall)]
+        rows = [Row(0.8)] * above + [Row(tall, 0.06)] * (joints - 1) + [Row(tall)]
     else:
         columns = min(2, max(axes, joints))
         places, rows = {}, []

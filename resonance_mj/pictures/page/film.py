@@ -61,8 +61,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
         PictureError: they have no samples at a time that they share.
     """
     shown = tuple(runs)[: max(SIZES)]
-    _, end = frame_data.common_span(shown, None, None)
-    shown_spans = spans(shown[0], end)
+    shown_spans = spans(shown[0], frame_data.common_span(shown, None, None)[1])
     total = sum(stop - start for start, stop in shown_spans)
     speed = total / min(max(total, LEAST), MOST)
     times = np.empty(0)
@@ -79,7 +78,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
     return Film(shown, tuple(labels)[: len(shown)], times, speed, scenes, SIZES[len(shown)])
 
 
-def shoot(planned: Film, progress: video.Progress | None = None) -> Film:
+def shoot(planned: Film, progress: video.Progress) -> Film:
     """Film what was planned.
 
     Raises:

@@ -1,21 +1,28 @@
 """The page itself: a template filled, with style, script, film and figures inside it."""
 
 import base64
+import io
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from ... import text
 from ...evaluation.checks import convergence
-from ...results.run import finite, versions
+from ...results.run import Run, finite, versions
+from ..figures.catalogue import KINDS, Entry
+from ..figures.style import STYLE, styled
 from .content import best
 
 TEMPLATES = Path(__file__).parent / "templates"
+
+WIDTH = 4.8
+"""Of a figure [in]: its letters can be read on a phone, which shrinks it by a third, and on a desk,
+which enlarges it by half. In the dark the page's style turns light and dark over."""
 
 
 def html(**page: Any) -> str:
@@ -50,6 +57,24 @@ def html(**page: Any) -> str:
         asset=lambda name: Markup((TEMPLATES / name).read_text(encoding="utf-8")),
         version=versions()["resonance-mj"],
     )
+
+
+def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
+    """A figure of runs as an SVG element, whose ids begin with `anchor` and the figure's name."""
+    name, file = f"{anchor}-{entry.name}", io.StringIO()
+    drawn = entry.draw(runs, WIDTH)
+    # The ids are found from the salt: the same figure gives the same page.
+    with styled({**STYLE, "svg.hashsalt": name}):
+        drawn.savefig(file, format="svg", metadata=KINDS["svg"])
+    text = file.getvalue()
+    head, _, body = text[text.index("<svg") :].partition(">")
+    view = re.search(r'viewBox="[\d. ]+"', head)
+    assert view is not None
+    # Who made it is of no use here, and a style of `*` would hold for the whole page.
+    body = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", body, flags=re.DOTALL)
+    body = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", body)
+    body = body.replace(" \n", "\n")
+    return Markup(f'<svg {view[0]} role="img" aria-label="{escape(entry.title)}">{body}')
 
 
 def _data(written: Callable[..., str]) -> Callable[..., Markup]:

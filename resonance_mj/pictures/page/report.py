@@ -13,8 +13,7 @@ from ..figures import catalogue
 from ..figures.catalogue import Entry
 from . import film as films
 from .content import Content, Figures, differences
-from .drawings import inline
-from .page import html
+from .page import html, inline
 
 Progress = Callable[[int, int], None]
 Given = Run | str | os.PathLike[str]
