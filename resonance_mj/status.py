@@ -10,6 +10,8 @@ class Status(StrEnum):
     """All cycles were simulated, and at the end of each motion the tool follows its path."""
     NOT_TRACKING = "not tracking"
     """The tool does not follow its path: its RMS error is more than 2 % of the path's size."""
+    DIVERGING = "diverging"
+    """The tool still follows its path, with an error that has grown from cycle to cycle."""
     IN_CONTACT = "in contact"
     """The tool follows its path, and the arm touches something on its way, or a joint its stop."""
     DIVERGED = "diverged"

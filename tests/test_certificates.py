@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import resonance_mj as rmj
-from resonance_mj.evaluation.certificates import lyapunov, orthogonality
-from resonance_mj.evaluation.certificates.orthogonality import untaken
+from resonance_mj.evaluation.certificates import proof
+from resonance_mj.evaluation.certificates.proof import untaken
 from resonance_mj.laws import learning
 from resonance_mj.springs import optimum
 from resonance_mj.springs import spring as springs
@@ -228,12 +228,12 @@ def test_v_grows_along_a_run_as_17_says():
     weight = K_P + ALPHA * K_V
     parts = {
         "R": [
-            lyapunov.motion_energy(y[i], two_link.inertia(q[i]), 0 * x_d[0], 0 * x_d[0])
+            proof.motion_energy(y[i], two_link.inertia(q[i]), 0 * x_d[0], 0 * x_d[0])
             for i in range(len(q))
         ],
-        "x": [lyapunov.motion_energy(0 * y[0], np.eye(2), e, np.full(2, weight)) for e in error],
+        "x": [proof.motion_energy(0 * y[0], np.eye(2), e, np.full(2, weight)) for e in error],
         "k": [
-            lyapunov.spring_energy(a - best.stiffness, b - best.offset, GAMMA_K, GAMMA_QE)
+            proof.spring_energy(a - best.stiffness, b - best.offset, GAMMA_K, GAMMA_QE)
             for a, b in zip(k, offset, strict=True)
         ],
     }
@@ -453,7 +453,7 @@ def test_an_optimum_that_is_not_one_is_caught_whatever_it_was_found_by(kind, mon
         return best._replace(**{kind: 1.000001 * getattr(best, kind)})
 
     monkeypatch.setattr(optimum, "fit", wrong)
-    monkeypatch.setattr(orthogonality, "fit", wrong, raising=False)
+    monkeypatch.setattr(proof, "fit", wrong, raising=False)
     run = dataclasses.replace(short(0), planned=None)
     assert [item.holds for item in rmj.certify(run).of("(12)")] == [False, False]
 
@@ -564,7 +564,8 @@ sys.exit(main(["certify", "runs/paper", "--out", "drawn"]))
     assert (process.returncode, process.stderr) == (0, "")
     (loaded,) = [line for line in process.stdout.splitlines() if line.startswith("['")]
     assert "'resonance_mj.simulation.simulation'" in loaded
-    assert "certificate" not in loaded
+    for name in ("certificates", "results.cycles", "proof", "certificate_figure"):
+        assert f".{name}'" not in loaded
     assert "(22) N falls" in process.stdout
     assert {path.name for path in (tmp_path / "drawn").iterdir()} == {
         "certificates.svg",

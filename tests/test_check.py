@@ -460,7 +460,10 @@ def test_without_names_the_files_here_and_in_runs_are_meant_or_else_the_built_in
         ('tracking_rms = { max = 1, joints = ["joint1"] }', ["tracking_rms", "joints"]),
         (
             'status = "good"',
-            ["expect.status = 'good'", "'ok', 'not tracking', 'in contact' or 'diverged'"],
+            [
+                "expect.status = 'good'",
+                "'ok', 'not tracking', 'diverging', 'in contact' or 'diverged'",
+            ],
         ),
         ("versions = { mujoco = 4 }", ["expect.versions", "4"]),
         ("stiffness = { value = [1, 2, 3], rel = 1 }", ["stiffness.value", "3 numbers", "joint2"]),

@@ -113,6 +113,21 @@ def test_a_light_touch_that_leaves_the_path_as_it_is_has_a_status_of_its_own(tmp
     assert re.search(r"ground touches link\d", run.message)
 
 
+def test_a_run_that_still_tracks_while_its_torque_grows_is_diverging_and_ends_so():
+    unstable = {"law.lead": 0, "law.harmonics": 200, "motion.0.duration": 25.0}
+    experiment = rmj.load("two-link-transfer").replace(unstable)
+    run = rmj.simulate(experiment.replace({"motion": experiment.model_dump()["motion"][:1]}))
+    assert run.motions[0].tracks[-1]
+    assert run.status is Status.DIVERGING
+    assert re.search(
+        r"torque² of motion 1 has grown to .* ever faster; try law.lead = 1", run.message
+    )
+    longer = run.experiment.replace({"motion.0.duration": 50.0})
+    assert rmj.simulate(longer).status is Status.DIVERGED
+    calm = rmj.simulate(longer.replace({"law.lead": 1, "law.harmonics": 20}))
+    assert calm.status is Status.OK
+
+
 def test_without_contacts_the_arm_passes_through_and_nothing_is_said(tmp_path):
     inside = GROUND.format(0.1, "")
     run = rmj.simulate(an_arm(tmp_path, {"robot.contacts": False}, beside=inside))

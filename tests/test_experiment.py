@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import resonance_mj as rmj
 from resonance_mj import library
-from resonance_mj.experiments.keys import describe
+from resonance_mj.experiments.experiment import describe
 
 SHORT = """
 [robot]

@@ -469,7 +469,7 @@ CRANK = (
 @pytest.mark.parametrize(
     ("constraint", "words"),
     [
-        ("<joint joint1='elbow' joint2='shoulder' polycoef='0 -1 0 0 0'/>", "'elbow' and 'should"),
+        ("<joint joint1='elbow' joint2='shoulder' polycoef='0 1 .2'/>", "'elbow' and 'should"),
         ("<joint name='stuck' joint1='elbow'/>", "'stuck' between 'elbow' and 'a constant'"),
         ("<connect name='rod' body1='crank' body2='lower' anchor='.1 0 0'/>", "'crank' and 'lower"),
         ("<connect body1='lower' anchor='.1 0 0'/>", "'lower' and 'world'"),

@@ -375,3 +375,28 @@ def test_what_mujoco_warns_of_meanwhile_is_kept_for_the_notes_and_off_the_screen
     assert [line for line in plan.notes if line.startswith("MuJoCo warns: Nan")]
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("stiffness", [(-np.inf, np.inf), (0.0, np.inf), (0.0, 4.0)])
+def test_at_the_ends_of_a_stiffness_s_range_torque_costs_what_is_said_and_beyond_more(stiffness):
+    bounded = {} if stiffness[0] else {"springs.equilibrium": [-0.5, 0.8]}
+    base = rmj.load("two-link-transfer").replace({"springs.stiffness": stiffness} | bounded)
+    best = rmj.optimum(base)[0]
+    most = best.torque_squared + 0.05 * best.torque_squared_without_springs
+    ends = best.stiffness_range(0.05)
+    for j in range(2):
+        name = ("joint1", "joint2")[j]
+        for side, k in enumerate(ends[j]):
+            at_bound = k == stiffness[side]
+            for beyond in (0.0, 1e-3):
+                held = float(k + (2 * side - 1) * beyond * max(1.0, abs(k)))
+                if not stiffness[0] <= held <= stiffness[1]:
+                    continue
+                own = {f"springs.joint.{name}.stiffness": [held, held]}
+                (other, *_) = rmj.optimum(base.replace(own))
+                if beyond:
+                    assert other.torque_squared > most
+                elif at_bound:
+                    assert other.torque_squared <= most * (1 + 1e-9)
+                else:
+                    assert other.torque_squared == pytest.approx(most, rel=1e-6)

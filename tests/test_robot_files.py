@@ -473,7 +473,7 @@ def test_a_package_is_found_around_the_file_in_given_roots_and_where_ros_looks(
     assert len(source.files(path, experiment.robot.packages)) == 2
 
 
-def test_a_urdf_keeps_its_efforts_as_limits_and_a_mimicked_joint_is_named(tmp_path):
+def test_a_urdf_keeps_its_efforts_as_limits_and_a_joint_that_mimics_follows(tmp_path):
     limits = '<limit lower="-2" upper="2" effort="{}" velocity="1"/>'
     text = URDF.replace("continuous", "revolute")
     text = text.replace(
@@ -486,8 +486,9 @@ def test_a_urdf_keeps_its_efforts_as_limits_and_a_mimicked_joint_is_named(tmp_pa
     np.testing.assert_array_equal(build(for_robot(str(path))).torque_limit, [[-30, 30], [-7, 7]])
     path.write_text(path.read_text().replace("</joint></robot>", '<mimic joint="shoulder" '
                                              'multiplier="2"/></joint></robot>'))  # fmt: skip
-    assert "'elbow'" in refused(path)
-    assert "'shoulder'" in refused(path)
+    robot = build(for_robot(str(path)))
+    assert any("elbow follows shoulder (+2)" in note for note in robot.notes)
+    np.testing.assert_array_equal(robot.torque_limit, [[-30 - 2 * 7, 30 + 2 * 7]])
 
 
 # Other forms of a robot than one file of text

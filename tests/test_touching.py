@@ -20,17 +20,18 @@ SLIDER = """<mujoco><worldbody>
 def test_bodies_that_touch_along_a_motion_are_told_with_their_depth_and_their_share_of_it():
     model = mujoco.MjModel.from_xml_string(SLIDER)
     x = np.linspace(0, 0.99, 100)
-    still = touching(model, model.qpos0, np.array([0]), x[:50, None])
+    moved = np.stack([x, 0 * x], axis=1)
+    still = touching(model, moved[:50])
     assert still == []
-    wall, bob = touching(model, model.qpos0, np.array([0]), x[:, None])
+    wall, bob = touching(model, moved)
     assert (wall.first, wall.second) == ("wall", "cart")
     assert wall.depth == pytest.approx(0.19)
     assert wall.share == pytest.approx(0.19, abs=0.011)
     assert (bob.first, bob.second, bob.share) == ("wall", "bob", pytest.approx(0.09, abs=0.011))
-    both = touching(model, np.array([0.0, -1.0]), np.array([0]), np.zeros((4, 1)))
+    both = touching(model, np.tile([0.0, -1.0], (4, 1)))
     assert both == [("world", "bob", pytest.approx(0.1), 1.0)]
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-    assert touching(model, model.qpos0, np.array([0]), x[:, None]) == []
+    assert touching(model, moved) == []
 
 
 ARM = """<mujoco><worldbody>{world}<body name="base" pos="0 0 1"><geom size=".05"/>
@@ -48,7 +49,7 @@ def built(tmp_path, world="", base=True, **given):
     path.write_text(text if base else text.replace('<geom size=".05"/>', "").replace(".06", ".001"))
     changes = {"robot.home": [0.0, 0.5]} | {f"robot.{key}": value for key, value in given.items()}
     robot = build(for_robot(str(path)).replace(changes))
-    return robot, touching(robot.model, robot.qpos, robot.qpos_address, robot.home[None])
+    return robot, touching(robot.model, robot.qpos[None])
 
 
 def test_neighbours_that_overlap_at_home_pass_and_are_said(tmp_path):

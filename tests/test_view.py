@@ -143,7 +143,7 @@ def test_what_is_watched_is_the_run_that_simulate_makes_bit_for_bit(
 def test_payloads_and_passages_are_watched_as_they_are_simulated(pretended):
     experiment = rmj.load("two-link-changes")
     cycles = {
-        f"motion.{i}.duration": motion.period * (motion.blend + 2)
+        f"motion.{i}.duration": motion.period * (motion.passage + 2)
         for i, motion in enumerate(experiment.motion)
     }
     experiment = experiment.replace(cycles)

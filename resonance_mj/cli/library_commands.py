@@ -37,7 +37,7 @@ def keys(options: Namespace) -> None:
     """Every key of an experiment, with unit and default."""
     from rich.table import Table
 
-    from ..experiments.keys import describe
+    from ..experiments.experiment import describe
 
     words = [word.lower() for word in options.filter]
     every = describe()

@@ -54,7 +54,8 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     first = motions[0].number == 1
     drawn = table(
         f"{run.experiment.name}: last cycle of each motion" if first else "",
-        f"optimum: of constant springs along the joint motion {motions[0].optimum_of}",
+        f"optimum: of constant springs along the joint motion {motions[0].optimum_of}; "
+        "range: of stiffnesses that cost at most 1 % of torque² without springs more",
     )
     for motion in motions:
         drawn.add_column(f"motion {motion.number}", justify="right")
@@ -89,6 +90,9 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
         for j, name in enumerate(names):
             unit = (SLIDE if slides[j] else HINGE)[place]
             row(f"{figure} {name} [{unit}]", figure, 1, 3, j)
+            if figure == "stiffness":
+                ends = [(one.stiffness_least[j], one.stiffness_most[j]) for one in motions]
+                alone("  range", [f"{low:.3g}…{high:.3g}" for low, high in ends])
     alone("tracking RMS [mm]", [_small(one["tracking_rms"]) for one in found])
     if "rotation_rms" in run.data:
         alone("rotation RMS [mrad]", [_small(one["rotation_rms"]) for one in found])

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import tomlkit
 
-from ..experiments.experiment import Experiment
-from ..experiments.keys import describe
+from ..experiments.experiment import Experiment, describe
 from ..laws.gains import Gains
 from ..motions.kinematics import JointMotion
 from ..plan.plan import Plan, plan_for
@@ -189,7 +188,7 @@ WORTH_CHANGING = {
     "robot": ("mjcf", "tool", "joints", "home", "packages"),
     "task": ("coordinates",),
     "simulation": ("timestep",),
-    "motion.0": ("duration", "period", "shape", "center", "size", "plane"),
+    "motion.0": ("duration", "period", "blend", "shape", "center", "size", "plane"),
     "law": ("kind", "omega", "eta", "lead", "harmonics"),
     "springs": ("stiffness", "equilibrium"),
 }

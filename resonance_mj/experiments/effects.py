@@ -14,10 +14,8 @@ def without_effect(
 ) -> list[str]:
     """Keys with a value of their own that changes nothing, a line each, with why.
 
-    Args:
-        experiment: as it was given.
-        square: whether the task takes all joints of the arm; None if that is not known.
-        limited: whether a joint of the arm has a range; None if that is not known.
+    `square`: whether the task takes all joints of the arm; `limited`: whether one of these has a
+    range; each None if that is not known.
     """
     said = []
     for key, reason in _reasons(experiment, square, limited):

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 
 from ..status import Status
 from ..text import shown
-from .section import Alone, Name, Section
+from .sections import Alone, Name, Section
 
 PER_JOINT = ("stiffness", "offset", "equilibrium")
 """Figures with a number for each joint; the others have one."""

@@ -1,20 +1,19 @@
-"""An experiment: frozen, validated, with defaults and dotted overrides."""
+"""An experiment: frozen, validated, with defaults and dotted overrides; and what its keys mean."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from ..errors import ExperimentError
 from ..text import cut, shown
 from . import toml
-from .expectations import Expect
+from .expectations import Expect, Expected
 from .law_section import Law
 from .motion_section import MOST_CYCLES, Motion
-from .section import Section
-from .sections import Robot, Simulation, Springs, Task
+from .sections import JointSpring, Robot, Section, Simulation, Springs, Task
 from .validation import plain, validated
 
 FEWEST_STEPS, MOST_STEPS = 8, 100_000
@@ -142,3 +141,30 @@ def _at(node: Any, index: str, key: str) -> int:
 
 def _not_zero(value: float | tuple[float, ...]) -> bool:
     return any(value) if isinstance(value, tuple) else bool(value)
+
+
+_SECTIONS: dict[str, type[BaseModel]] = {
+    "robot": Robot,
+    "task": Task,
+    "simulation": Simulation,
+    "motion": Motion,
+    "law": Law,
+    "springs": Springs,
+    "springs.joint.NAME": JointSpring,
+    "expect": Expect,
+    "expect.stiffness": Expected,
+}
+
+
+def describe() -> list[tuple[str, str, str]]:
+    """Every key of an experiment file, its default as TOML and its meaning."""
+    rows: list[tuple[str, str, str]] = []
+    sections: dict[str, type[BaseModel]] = {"": Experiment, **_SECTIONS}
+    for section, model in sections.items():
+        for name, field in model.model_fields.items():
+            if section == "" and name in _SECTIONS:
+                continue
+            key = ".".join(filter(None, ("motion.0" if section == "motion" else section, name)))
+            default = "(none)" if field.is_required() else shown(field.default)
+            rows.append((key, default, field.description or ""))
+    return rows

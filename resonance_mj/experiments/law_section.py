@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from ..text import listed, nearest
-from .section import Alone, Angles, Gain, Gains, Name, Section
+from .sections import Alone, Angles, Gain, Gains, Name, Section
 
 KINDS = (
     "feedback",
@@ -52,7 +52,7 @@ class Law(Section):
     """Weight of the posture's error in the null space [1/s]; as alpha if not given."""
     beta: Gain | None = None
     """Learning gain of (9) [N m s/rad]; if not given, eta times the feedback's own torque."""
-    eta: Gain = 0.5
+    eta: Gain = 0.8
     """Share of the feedback's torque that is learned in a cycle, where beta is not given."""
     gamma_k: Gains = 0.0
     """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each; for the

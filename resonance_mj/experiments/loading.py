@@ -11,7 +11,7 @@ from ..files import is_file, is_folder, read_text
 from ..text import listed, nearest, shown
 from .experiment import Experiment
 from .law_section import KINDS
-from .model_objects import as_file
+from .sections import as_file
 from .validation import NESTED, validated
 
 ARMS = (".xml", ".urdf", ".mjz", ".zip", ".mjb")

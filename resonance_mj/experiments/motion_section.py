@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ..text import listed
-from .section import Finite, Name, Numbers, Positive, Rows, Section
+from .sections import Finite, Name, Numbers, Positive, Rows, Section
 
 MOST_CYCLES = 1_000_000
 """Cycles that a motion, and all of an experiment together, may have."""
@@ -29,8 +29,10 @@ class Motion(Section):
     payload: Annotated[Finite, Field(ge=0)] = 0.0
     """Mass that the tool carries during this motion, as a point at the tool [kg]; laws are not told
     of it, and computed-torque knows it."""
-    blend: Annotated[int, Field(ge=0, le=1000)] = 1
-    """Cycles in which the arm passes over into this motion, without learning; 0 for a jump."""
+    blend: Annotated[int, Field(ge=0, le=1000)] | None = None
+    """Cycles in which the arm passes over into this motion, 0 for a jump, from 4 on with learning
+    on the way; 1, or with the law transfer 12 where motors are too weak to make the motion without
+    springs, if not given."""
     center: Numbers | None = None
     """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
     is at home if not given."""
@@ -98,11 +100,16 @@ class Motion(Section):
                 f"duration {self.duration:g} s is {cycles:.6g} periods of {self.period:g} s; a "
                 f"whole number up to {MOST_CYCLES} is needed, for example {whole * self.period:g} s"
             )
-        if self.blend >= self.cycles:
+        if self.blend is not None and self.blend >= self.cycles:
             raise ValueError(
                 f"blend = {self.blend} leaves no cycle of the {self.cycles} that the motion has"
             )
         return self
+
+    @property
+    def passage(self) -> int:
+        """Number of cycles in which the arm passes over into the motion."""
+        return self.blend or 0
 
     @property
     def cycles(self) -> int:

@@ -1,15 +1,95 @@
-"""The sections [robot], [task], [simulation] and [springs] of an experiment file."""
+"""The sections [robot], [task], [simulation] and [springs], and the types that all share."""
 
 from __future__ import annotations
 
+import hashlib
 import math
-from typing import Annotated, Literal
+import tempfile
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    field_validator,
+    model_validator,
+)
 
 from ..text import shown
-from .model_objects import as_file
-from .section import Alone, Angles, Bound, Finite, Name, Numbers, Positive, Section, Stiffness
+
+
+def _one_alone(given: Any) -> Any:
+    """A list of one number or name may be written without brackets."""
+    return (given,) if isinstance(given, int | float | str) else given
+
+
+def _bound(given: float) -> float:
+    if not (abs(given) <= 1e9 or math.isinf(given)):
+        raise ValueError("valid are numbers from -1e9 to 1e9, and -inf or inf for no bound")
+    return given
+
+
+Name = Annotated[str, Field(max_length=4096, pattern=r"^[^\x00]*$")]
+"""Of a file, or of an element of the robot."""
+Finite = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True)]
+"""Lengths, angles and accelerations: beyond, sums of squares have no digits left."""
+Positive = Annotated[float, Field(gt=0, le=1e12, allow_inf_nan=False, strict=True)]
+Gain = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False, strict=True)]
+Stiffness = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False, strict=True)]
+Bound = Annotated[float, AfterValidator(_bound)]
+Alone = BeforeValidator(_one_alone)
+"""Lets a list take one value alone."""
+Numbers = Annotated[tuple[Finite, ...], Field(min_length=1), Alone]
+Rows = Annotated[tuple[Annotated[tuple[Finite, ...], Alone], ...], Alone]
+Gains = Gain | Annotated[tuple[Gain, ...], Field(min_length=1)]
+Angles = Finite | Annotated[tuple[Finite, ...], Field(min_length=1)]
+
+
+class Section(BaseModel):
+    """A table of the file: frozen, without unknown keys; each key's docstring says what it is."""
+
+    model_config = ConfigDict(
+        defer_build=True, frozen=True, extra="forbid", use_attribute_docstrings=True
+    )
+
+
+FOLDER = "models"
+"""Folder in the user's cache for models that were given from memory."""
+
+
+def as_file(given: Any) -> Any:
+    """The path of a file that holds an MjSpec or MjModel, the same for the same model.
+
+    Anything else is returned as it is.
+
+    Raises:
+        ValueError: MuJoCo cannot compile the MjSpec.
+    """
+    if not type(given).__module__.startswith("mujoco"):
+        return given
+    import mujoco
+    import numpy as np
+    from platformdirs import user_cache_path
+
+    model = given.compile() if isinstance(given, mujoco.MjSpec) else given
+    if not isinstance(model, mujoco.MjModel):
+        return given
+    buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    content = buffer.tobytes()
+    name = model.names.partition(b"\0")[0].decode(errors="replace")
+    safe = "".join(letter for letter in name if letter.isalnum() or letter in "-_") or "model"
+    folder = user_cache_path("resonance-mj") / FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{safe[:60]}-{hashlib.sha256(content).hexdigest()[:8]}.mjb"
+    if not path.is_file() or path.read_bytes() != content:
+        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
+            file.write(content)
+        Path(file.name).replace(path)
+    return str(path)
 
 
 class Robot(Section):
@@ -87,7 +167,44 @@ class Simulation(Section):
         raise ValueError(f"valid integrators are Euler, implicitfast and RK4{reason}")
 
 
-class Springs(Section):
+class _Bounds(Section):
+    """What a spring can be."""
+
+    @field_validator("stiffness", "equilibrium", check_fields=False)
+    @classmethod
+    def _interval(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        if value is None:
+            return value
+        lower, upper = value
+        if not lower <= upper or lower == math.inf or upper == -math.inf:
+            raise ValueError("[lower, upper] with lower <= upper is needed, inf for no bound")
+        return value
+
+
+class JointSpring(_Bounds):
+    """The spring of one joint, where it is another than all others."""
+
+    kind: Literal["adjustable", "none"] = "adjustable"
+    """adjustable, or none: the joint has no spring."""
+    stiffness: tuple[Bound, Bound] | None = None
+    """Bounds of its stiffness [N m/rad], equal ones for a given stiffness; as of all if not
+    given."""
+    equilibrium: tuple[Bound, Bound] | None = None
+    """Bounds of its equilibrium angle [rad], about what springs.equilibrium_about says; as of all
+    if not given."""
+    rest: Finite | None = None
+    """Its given equilibrium angle [rad], the joint's own: only the stiffness is adjusted."""
+
+    @model_validator(mode="after")
+    def _one_spring(self) -> JointSpring:
+        if self.kind == "none" and (self.stiffness, self.equilibrium, self.rest) != (None,) * 3:
+            raise ValueError('kind = "none" has neither stiffness, equilibrium nor rest')
+        if self.rest is not None and self.equilibrium is not None:
+            raise ValueError("rest is the equilibrium: give it or bounds of the equilibrium")
+        return self
+
+
+class Springs(_Bounds):
     """What the springs can do, and how they start."""
 
     stiffness: tuple[Bound, Bound] = (0.0, math.inf)
@@ -101,14 +218,13 @@ class Springs(Section):
     """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0
     """q_e(0) [rad], one for all joints or one each; 0 for the nearest to it within the bounds."""
+    joint: dict[Name, JointSpring] = Field(default={})
+    """Springs of single joints by name, as the table [springs.joint.NAME]."""
 
-    @field_validator("stiffness", "equilibrium")
-    @classmethod
-    def _interval(cls, value: tuple[float, float]) -> tuple[float, float]:
-        lower, upper = value
-        if not lower < upper or lower == math.inf or upper == -math.inf:
-            raise ValueError("[lower, upper] with lower < upper is needed, inf for no bound")
-        return value
+    @property
+    def about_zero(self) -> bool:
+        """Whether the bounds of the equilibrium are of the joint's own angle."""
+        return self.equilibrium_about == "zero"
 
     @model_validator(mode="after")
     def _starts_inside(self) -> Springs:
@@ -124,16 +240,24 @@ class Springs(Section):
 
     @model_validator(mode="after")
     def _convex(self) -> Springs:
-        if any(map(math.isfinite, self.equilibrium)):
-            if self.stiffness[0] < 0:
+        each: dict[str, Any] = {
+            f"joint.{name}.": one for name, one in self.joint.items() if one.kind != "none"
+        }
+        for where, one in ({"": self} | each).items():
+            stiffness = one.stiffness or self.stiffness
+            rest = getattr(one, "rest", None)
+            equilibrium = one.equilibrium or self.equilibrium if rest is None else (rest, rest)
+            if not any(map(math.isfinite, equilibrium)):
+                continue
+            name = f"{where}{'rest' if rest is not None else 'equilibrium'}"
+            value = rest if rest is not None else list(equilibrium)
+            if stiffness[0] < 0:
                 raise ValueError(
-                    f"equilibrium = {list(self.equilibrium)} needs stiffness >= 0, and the lower "
-                    f"bound of stiffness is {self.stiffness[0]:g}: with both signs the springs' "
-                    "feasible set is not convex"
+                    f"{name} = {value} needs stiffness >= 0, and the lower bound of stiffness is "
+                    f"{stiffness[0]:g}: with both signs the springs' feasible set is not convex"
                 )
-            if not all(map(math.isfinite, self.equilibrium)):
+            if not all(map(math.isfinite, equilibrium)):
                 raise ValueError(
-                    f"equilibrium = {list(self.equilibrium)}: give two finite bounds, or none "
-                    "as [-inf, inf]"
+                    f"{name} = {value}: give two finite bounds, or none as [-inf, inf]"
                 )
         return self

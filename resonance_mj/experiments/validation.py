@@ -24,11 +24,6 @@ Model = TypeVar("Model", bound=BaseModel)
 def validated(model: type[Model], values: dict[str, Any], source: str) -> Model:
     """Values as a section.
 
-    Args:
-        model: the section, or the whole experiment.
-        values: its keys and values, sections inside it as dictionaries.
-        source: what the error names: a file, or an experiment.
-
     Raises:
         ExperimentError: the first key or value that is not valid, and what would be.
     """
@@ -61,7 +56,11 @@ def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> st
     )
     names = _names(model)
     words = [str(part) for part in first["loc"]]
-    key = ".".join(word for word in words if word.isdigit() or word in names)
+    key = ".".join(
+        word
+        for before, word in zip(["", *words], words, strict=False)
+        if word.isdigit() or word in names or before == "joint"  # which are named by the arm
+    )
     if first["type"] == "extra_forbidden":
         key = ".".join(map(cut, words))
         section = _section(model, words[:-1])

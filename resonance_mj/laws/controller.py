@@ -105,6 +105,11 @@ def measure(
             dof = int(own.dof_address[j])
             own.J[i, j] = own.jacobian[axis, dof]
             own.rate[i] += own.J[i, j] * qvel[dof]
+        if own.dofs > own.n:
+            for dof in range(own.dofs):
+                if own.leader[dof] >= 0:
+                    own.J[i, int(own.leader[dof])] += own.ratio[dof] * own.jacobian[axis, dof]
+                    own.rate[i] += own.jacobian[axis, dof] * qvel[dof]
         if axis < 3 and own.difference:
             own.rate[i] = (tool[axis] - own.before[axis]) / own.timestep - own.dx_desired[i]
             own.before[axis] = tool[axis]

@@ -57,16 +57,18 @@ def load(file: str) -> tuple[Command, Learn | None]:
 
     def learned(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
         assert learn is not None
-        return _learned(file, learn, cycle, experiment)
+        return _learned(file, learn, cycle, gains, experiment)
 
     return standard if command is None else _adapted(command), learned if learn else None
 
 
-def _learned(file: str, learn: Callable[..., Any], cycle: Cycle, experiment: Experiment) -> Learned:
+def _learned(
+    file: str, learn: Callable[..., Any], cycle: Cycle, gains: Gains, experiment: Experiment
+) -> Learned:
     """What a file's `learn` returns for copies of a cycle's signals; refused if it is no good."""
     given = {name: getattr(cycle, name).copy() for name in ("u", "y", "q")}
     given |= {name: part.copy() for name, part in cycle.springs._asdict().items()}
-    given |= {"parameters": np.array(experiment.law.parameters), "bounds": experiment.springs}
+    given |= {"parameters": np.array(experiment.law.parameters), "bounds": gains.bounds}
     names = inspect.signature(learn).parameters
     try:
         found = tuple(np.asarray(part, float) for part in learn(**{n: given[n] for n in names}))

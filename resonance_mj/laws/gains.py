@@ -9,8 +9,9 @@ from ..experiments.experiment import Experiment
 from ..experiments.law_section import Law
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
+from ..springs.bounds import JointBounds, per_joint
 
-BANDWIDTH = 60.0
+BANDWIDTH = 100.0
 """Feedback bandwidth ω [1/s] at time steps that allow it."""
 
 POSITION = 10.0
@@ -43,6 +44,7 @@ class Gains:
         lead: control periods that learning reads y ahead.
         harmonics: harmonics that the learned torque keeps; None for all.
         torque_limit: least and greatest torque of each motor (n, 2) [N m].
+        bounds: what each joint's spring may be.
     """
 
     jacobian: str
@@ -59,6 +61,7 @@ class Gains:
     lead: int
     harmonics: int | None
     torque_limit: np.ndarray
+    bounds: JointBounds
 
 
 def gains(
@@ -82,9 +85,9 @@ def gains(
     dt = experiment.simulation.timestep
     by_hand = law.k_v is not None or law.k_p is not None
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
-    fastest, own = 0.1 / dt, gravity_rate(kinematics)
-    omega = min(max(BANDWIDTH, 3 * own), fastest) if law.omega is None else law.omega
-    rate = min(max(POSITION, own), fastest)
+    own = gravity_rate(kinematics)
+    omega = min(max(BANDWIDTH, 3 * own), 0.3 / dt) if law.omega is None else law.omega
+    rate = min(max(POSITION, own), 0.1 / dt)
     alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
     inertial = omega * M + np.diag(_damping(robot, M, dt) + _dry_friction(robot, M, dt))
@@ -116,6 +119,7 @@ def gains(
         lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
         torque_limit=robot.torque_limit,
+        bounds=per_joint(experiment.springs, robot.joints, f"experiment {experiment.name!r}"),
     )
 
 
@@ -141,8 +145,7 @@ def _dry_friction(robot: Robot, M: np.ndarray, dt: float) -> np.ndarray:
     At most what a joint that has broken loose bears when sampled: a quarter of the inertia that it
     feels alone, over dt.
     """
-    friction = robot.model.dof_frictionloss[robot.dof_address]
-    return np.minimum(friction, 0.25 / dt / np.diag(np.linalg.inv(M)))
+    return np.minimum(robot.friction, 0.25 / dt / np.diag(np.linalg.inv(M)))
 
 
 def gravity_rate(kinematics: Kinematics) -> float:

@@ -11,6 +11,9 @@ from .controller import Command, joint_space, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
 
+LIMITED = 0.25
+"""Share of a cycle, of all motors, at whose limits learning rests."""
+
 
 @dataclass(frozen=True)
 class Law:
@@ -69,15 +72,22 @@ def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment, q: str = "q")
 def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """What a spring can exert of the learned torque is handed to the spring."""
     v = _learned_torque(cycle, gains)
-    return learning.transfer(v, cycle.q, cycle.springs, experiment.springs)
+    return learning.transfer(v, cycle.q, cycle.springs, gains.bounds)
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
-    """What the motors can give of it: more would be learned without end, and never exerted."""
+    """What the motors can give of it: more would be learned without end, and never exerted.
+
+    Where motors are at their limits y does not tell what torque is missing: learning is the slower
+    the more of the cycle they are, and rests from `LIMITED` of it on.
+    """
+    low, high = gains.torque_limit.T
+    at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean()
+    pace = max(0.0, 1.0 - at_limit / LIMITED)
     v = learning.learned_torque(
-        cycle.u, cycle.y, gain=gains.learning, lead=gains.lead, harmonics=gains.harmonics
+        cycle.u, cycle.y, gain=pace * gains.learning, lead=gains.lead, harmonics=gains.harmonics
     )
-    return np.clip(v, *gains.torque_limit.T)
+    return np.clip(v, low, high)
 
 
 # Along the desired joint angles, as in [4] (Sec. IV-C).

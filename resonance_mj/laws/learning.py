@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..experiments.experiment import Experiment
-from ..experiments.sections import Springs
+from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, fit, spring_like_part
 from .gains import Gains
 
@@ -20,6 +20,8 @@ class Cycle(NamedTuple):
     """Error signal (8) (N, n) [rad/s]."""
     q: np.ndarray
     """Joint angles (N, n) [rad]."""
+    tau: np.ndarray
+    """Motor torque (N, n) [N m]."""
     q_desired: np.ndarray
     """Desired joint angles q_d (N, n) [rad]; of meaning only to laws that are told them."""
     springs: LinearSprings
@@ -78,7 +80,7 @@ def learn(
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
 
-def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Springs) -> Learned:
+def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bounds) -> Learned:
     """Hand the springs what springs can do: the total torque stays as it is.
 
     Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring

@@ -32,6 +32,7 @@ _SHAPES: dict[tuple[str, ...], str] = {
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",
     ("six", "dofs"): "jacobian",
+    ("dofs",): "leader ratio",  # of a dof that follows the arm's: which, and how fast; else -1, 0
     ("parameters",): "parameters",
     ("more", "more"): "work",
     # tables over the cycle
@@ -205,7 +206,7 @@ def matrix(memory: np.ndarray, start: float, rows: int, columns: int) -> np.ndar
 
 _named: Any = namedtuple  # whose names a type checker cannot follow
 
-_NUMBERS = "n m step site rotates form difference inertial usual length alpha alpha_0 timestep"
+_NUMBERS = "n m dofs step site rotates form difference inertial usual length alpha alpha_0 timestep"
 _VIEWS = [name for name in ARRAYS if name != "record"]
 Own = _named("Own", [*_NUMBERS.split(), "speed_limit", *_VIEWS])
 """The numbers of the header that the law is tuned by, and a view of each array."""
@@ -225,6 +226,7 @@ def own(memory: np.ndarray) -> Any:
     return Own(
         n=n,
         m=m,
+        dofs=int(memory[Header.DOFS]),
         step=step,
         site=int(memory[Header.SITE]),
         rotates=memory[Header.ROTATES] == 1.0,
@@ -268,6 +270,8 @@ def own(memory: np.ndarray) -> Any:
         dq_desired=vector(memory, memory[Header.DQ_DESIRED] + step * n, n),
         learned=vector(memory, memory[Header.LEARNED] + step * n, n),
         jacobian=matrix(memory, memory[Header.JACOBIAN], 6, int(memory[Header.DOFS])),
+        leader=vector(memory, memory[Header.LEADER], int(memory[Header.DOFS])),
+        ratio=vector(memory, memory[Header.RATIO], int(memory[Header.DOFS])),
         J=matrix(memory, memory[Header.J], m, n),
         error=vector(memory, memory[Header.ERROR], m),
         rate=vector(memory, memory[Header.RATE], m),

@@ -7,14 +7,23 @@ import numpy as np
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
-from ..experiments.sections import Springs
 from ..robots.reach import reach
 from ..robots.touching import touching
+from ..springs.bounds import Bounds, per_joint
 from ..text import length
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
-from .margins import GLANCE, LIMITS, lacks_margin, to_limit, too_heavy, touches
-from .singular import NEAR_SINGULAR, jerk, nearness
+from .margins import (
+    GLANCE,
+    LIMITS,
+    NEAR_SINGULAR,
+    jerk,
+    lacks_margin,
+    nearness,
+    to_limit,
+    too_heavy,
+    touches,
+)
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
@@ -43,12 +52,7 @@ REACHED = 1e3 * TOLERANCE
 
 
 class NoRoomError(MotionError):
-    """The arm follows no size of a motion about its center with margin.
-
-    Args:
-        message: what the user is told.
-        reason: why not, in a few words.
-    """
+    """The arm follows no size of a motion about its center with margin, for a short `reason`."""
 
     def __init__(self, message: str, reason: str) -> None:
         super().__init__(message)
@@ -60,13 +64,8 @@ def filled_in(
 ) -> Experiment:
     """The experiment with what it left open in its motions filled in.
 
-    A motion of no size and no center, for which home leaves no room, gets a center beside it.
-
-    Args:
-        experiment: as it was given.
-        kinematics: of the robot.
-        alpha_0: rate at which the posture is taken back [1/s].
-        notes: get a line of each center that is not at home.
+    A motion of no size and no center, for which home leaves no room, gets a center beside it, and
+    `notes` a line that says so. The posture is taken back at the rate alpha_0 [1/s].
 
     Raises:
         ExperimentError: a motion does not fit the task.
@@ -74,16 +73,17 @@ def filled_in(
     """
     robot = kinematics.robot
     at_home = kinematics.position(robot.home)
+    bounds = per_joint(experiment.springs, robot.joints, f"experiment {experiment.name!r}")
     filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"
         motion = motions.resolve(given, robot, at_home, name)
         try:
-            fitting = sized(motion, kinematics, name, alpha_0, experiment.springs)
+            fitting = sized(motion, kinematics, name, alpha_0, bounds)
         except NoRoomError as error:
             if given.center is not None:
                 raise
-            fitting = _beside(motion, kinematics, name, alpha_0, experiment.springs, error)
+            fitting = _beside(motion, kinematics, name, alpha_0, bounds, error)
             away = np.subtract(fitting.center or (), motion.center or ())
             notes.append(
                 f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
@@ -98,20 +98,13 @@ def sized(
     kinematics: Kinematics,
     name: str,
     alpha_0: float = 10.0,
-    bounds: Springs | None = None,
+    bounds: Bounds | None = None,
 ) -> Motion:
     """A motion with its size filled in, twice as long as high.
 
     The size shrinks from a share of the reach until inverse kinematics follows the motion well away
     from singular poses and joint limits, nothing touches on the way, and the motors' limits suffice
     with the best springs. It is the same for the same robot and motion.
-
-    Args:
-        motion: resolved but for its size.
-        kinematics: of the robot.
-        name: how messages call the motion.
-        alpha_0: rate at which the posture is taken back [1/s].
-        bounds: of the springs.
 
     Raises:
         NoRoomError: the arm follows no size of it with margin.
@@ -138,12 +131,7 @@ def sized(
 
 
 def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
-    """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach.
-
-    Args:
-        experiment: with its motions filled in.
-        kinematics: of the robot.
-    """
+    """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach."""
     robot, found = kinematics.robot, []
     for motion in experiment.motion:
         x = motions.sample(motion, POINTS, robot).x.mean(axis=0)
@@ -158,7 +146,7 @@ def _beside(
     kinematics: Kinematics,
     name: str,
     alpha_0: float,
-    bounds: Springs,
+    bounds: Bounds,
     error: NoRoomError,
 ) -> Motion:
     """A motion sized about the nearest center tried beside home that leaves room for it.
@@ -177,7 +165,7 @@ def _beside(
             values = np.linalg.svd(kinematics.jacobian(middle), compute_uv=False)
             width = np.ptp(robot.model.jnt_range[robot.joint_id], axis=1)
             inside = to_limit(middle, robot) > LIMITS * width
-            free = not touching(robot.model, robot.qpos, robot.qpos_address, middle[None])
+            free = not touching(robot.model, robot.positions(middle[None]))
             if free and values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
                 return sized(candidate, kinematics, name, alpha_0, bounds)
         except MotionError:
@@ -205,7 +193,7 @@ def _obstacle(
     middle: np.ndarray,
     name: str,
     alpha_0: float,
-    bounds: Springs | None,
+    bounds: Bounds | None,
 ) -> str:
     """Why the arm cannot follow a motion with margin; empty if it can."""
     robot, home = kinematics.robot, kinematics.robot.home

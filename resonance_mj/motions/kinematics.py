@@ -21,7 +21,8 @@ DRIFTING = 5
 SINGULAR = 1e-3
 """Ratio of the Jacobian's smallest to largest singular value below which a pose is singular."""
 
-_STOPS = int(mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT)
+_bits = mujoco.mjtDisableBit
+_BEARS = int(_bits.mjDSBL_CONTACT | _bits.mjDSBL_LIMIT | _bits.mjDSBL_EQUALITY)
 
 
 class JointMotion(NamedTuple):
@@ -39,7 +40,7 @@ class Kinematics:
     """Position, Jacobian and torque of a robot at chosen states, without its joint springs."""
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = robot
+        self.robot, self._followers = robot, robot.followers
         self._model, self._data = robot.model, mujoco.MjData(robot.model)
         self._data.qpos[:] = robot.qpos
         # A motion asks for these thousands of times: looked up, and room for them made, once.
@@ -79,6 +80,7 @@ class Kinematics:
         mujoco.mj_crb(self._model, data)
         full = np.zeros((self._model.nv, self._model.nv))
         mujoco.mj_fullM(self._model, data, full)
+        full = self._followers.borne(self._followers.borne(full).T)
         return full[np.ix_(dofs, dofs)]
 
     def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
@@ -230,7 +232,7 @@ class Kinematics:
         robot, model, data = self.robot, self._model, self._data
         springs, flags = model.jnt_stiffness[robot.joint_id], model.opt.disableflags
         model.jnt_stiffness[robot.joint_id] = 0.0
-        model.opt.disableflags |= _STOPS
+        model.opt.disableflags |= _BEARS
         try:
             torque = np.empty_like(motion.q)
             for i in range(len(torque)):
@@ -238,8 +240,11 @@ class Kinematics:
                 data.qvel[robot.dof_address] = motion.dq[i]
                 data.qacc[:] = 0.0
                 data.qacc[robot.dof_address] = motion.ddq[i]
+                self._followers.place(data.qpos)
+                self._followers.move(data.qvel)
+                self._followers.move(data.qacc)
                 mujoco.mj_inverse(model, data)
-                torque[i] = data.qfrc_inverse[robot.dof_address]
+                torque[i] = self._followers.borne(data.qfrc_inverse)[robot.dof_address]
         finally:
             model.jnt_stiffness[robot.joint_id] = springs
             model.opt.disableflags = flags
@@ -247,21 +252,23 @@ class Kinematics:
 
     def _place(self, q: np.ndarray) -> None:
         self._qpos[self._of_q] = q
+        self._followers.place(self._qpos)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
 
     def _J(self) -> np.ndarray:  # noqa: N802
         mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self.robot.site)
-        return self._full[self._of_task]
+        return self._followers.borne(self._full)[self._of_task]
 
     def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
         model, data = self._model, self._data
         self._place(q)
         data.qvel[self.robot.dof_address] = dq
+        self._followers.move(data.qvel)
         mujoco.mj_comVel(model, data)
         body = model.site_bodyid[self.robot.site]
         mujoco.mj_jacDot(model, data, self._linear, self._angular, self._at, body)
-        return self._full[self._of_task]
+        return self._followers.borne(self._full)[self._of_task]
 
     def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""

@@ -1,11 +1,14 @@
 """Whether an arm makes a joint motion with margin, and what is in the way if it does not."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..experiments.sections import Springs
 from ..robots.reach import reach
 from ..robots.robot import Robot
 from ..robots.touching import UNFELT, touching
+from ..springs.bounds import Bounds
 from ..springs.optimum import best_springs
 from .kinematics import JointMotion, Kinematics
 
@@ -24,18 +27,27 @@ CLEARANCE = 0.01
 MOTORS = 0.7
 """Most that the motors need with the best springs, as a share of their limits."""
 
+NEAR_SINGULAR = 0.05
+"""Ratio of J's smallest to largest singular value below which a pose is nearly singular."""
+
+SUDDEN = 10.0
+"""Ratio of a joint's peak to RMS acceleration from which a nearly singular pose is a hindrance."""
+
+POSES = 500
+"""Poses along a cycle at which singular values are looked at: an arm may pass one in no time."""
+
 
 def touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
     """What touches or comes near at joint angles (N, n) and does not at `middle`; empty if nothing.
 
     What is near in the middle may stay so, but not touch.
     """
-    arm = robot.model, robot.qpos, robot.qpos_address
+    poses = robot.positions(q)
     clearance = CLEARANCE * reach(robot)
-    near = {touch[:2] for touch in touching(*arm, middle[None], clearance)}
-    found = touching(*arm, q, clearance)
+    near = {touch[:2] for touch in touching(robot.model, robot.positions(middle[None]), clearance)}
+    found = touching(robot.model, poses, clearance)
     # A distance that is found within a clearance is 0 only to rounding: a few exact looks tell.
-    exact = touching(*arm, q[::GLANCE]) if near else []
+    exact = touching(robot.model, poses[::GLANCE]) if near else []
     for touch in (*exact, *(t for t in found if t.depth > UNFELT or t[:2] not in near)):
         how = "" if touch.depth or touch in exact else ", or nearly so"
         return f"{touch}{how} (robot.contacts = false lets bodies pass through each other)"
@@ -43,7 +55,7 @@ def touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
 
 
 def too_heavy(
-    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Springs | None
+    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Bounds | None
 ) -> str:
     """Which motor is too weak for a joint motion even with the best springs; empty if none is."""
     robot = kinematics.robot
@@ -95,3 +107,37 @@ def to_limit(q: np.ndarray, robot: Robot) -> np.ndarray:
     """Distance of joint angles (..., n) to the nearer end of the range, negative beyond it."""
     low, high = robot.model.jnt_range[robot.joint_id].T
     return np.minimum(q - low, high - q)
+
+
+class Jerk(NamedTuple):
+    """A joint that moves suddenly near a singular pose."""
+
+    ratio: float
+    """Of J's singular values, the smallest to the largest, where it is least."""
+    joint: int
+    peak: float
+    """Of its acceleration, as a multiple of its RMS."""
+
+    def said(self, joints: tuple[str, ...]) -> str:
+        """In words, given the joints' names."""
+        return (
+            f"the smallest singular value of J falls to {self.ratio:.1e} of its largest, and the "
+            f"acceleration of {joints[self.joint]} peaks at {self.peak:.2g} times its RMS"
+        )
+
+
+def nearness(kinematics: Kinematics, q: np.ndarray) -> float:
+    """Least ratio of J's singular values, the smallest to the largest, along angles (N, n)."""
+    J = [kinematics.jacobian(some) for some in q[:: max(1, len(q) // POSES)]]
+    values = np.linalg.svd(J, compute_uv=False)
+    return float((values[:, -1] / values[:, 0]).min())
+
+
+def jerk(kinematics: Kinematics, joints: JointMotion) -> Jerk | None:
+    """The joint whose acceleration stands out most near a singular pose; None if none does."""
+    ratio = nearness(kinematics, joints.q)
+    peak, usual = np.abs(joints.ddq).max(axis=0), np.sqrt((joints.ddq**2).mean(axis=0))
+    j = int(np.argmax(peak - SUDDEN * usual))
+    if ratio >= NEAR_SINGULAR or peak[j] <= SUDDEN * usual[j]:
+        return None
+    return Jerk(ratio, j, float(peak[j] / usual[j]))

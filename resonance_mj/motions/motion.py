@@ -41,13 +41,7 @@ class Samples(NamedTuple):
 
 
 def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
-    """Sample a motion at `steps` equal time steps of its cycle.
-
-    Args:
-        motion: of any shape, with what it left open filled in by `resolve`.
-        steps: number N of samples.
-        robot: gives the task's coordinates, in whose order the samples are.
-    """
+    """Sample a resolved motion at `steps` equal time steps of its cycle, in the task's order."""
     parts = _in_its_frame(motion, steps, robot)
     if motion.frame != "world":
         at, R = _frame(motion, robot)
@@ -66,11 +60,7 @@ def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
 def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "motion") -> Motion:
     """A motion that fits the robot's task, with all that it left open filled in but its size.
 
-    Args:
-        motion: as it was given.
-        robot: the robot.
-        at_home: the tool's position at home (m,) [m].
-        name: how messages call the motion.
+    `at_home` is the tool's position at home (m,) [m]; messages call the motion `name`.
 
     Raises:
         ExperimentError: the plane, the frame, the rotation or the CSV does not fit the task.

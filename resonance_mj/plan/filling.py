@@ -1,15 +1,28 @@
 """What a plan fills in where an experiment leaves it open: adaptation gains, and how it begins."""
 
+from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
 from ..laws.gains import adaptation
 from ..laws.laws import Law
 from ..robots.robot import Robot
-from ..text import shown
+from ..springs.optimum import Optimum
+from ..text import joined, shown
+
+GROWTH = 12
+"""Cycles over which a motion grows that the motors cannot make before springs help them."""
+
+GRADUAL = 4
+"""Cycles from which a passage changes little enough from one to the next to be learned from."""
+
+WEAK = 0.9
+"""Share of a motor's limit above which its torque without springs is more than it can give."""
 
 
 class Left(NamedTuple):
@@ -50,3 +63,46 @@ def adapting(experiment: Experiment, law: Law, robot: Robot, notes: list[str]) -
     )
     notes.append(f"{known}, from the joints' inertia at home")
     return experiment.replace({f"law.{name}": gamma.tolist() for name, gamma in rates.items()})
+
+
+def growing(
+    experiment: Experiment, robot: Robot, optima: Callable[[], list[Optimum]], notes: list[str]
+) -> Experiment:
+    """The experiment with the length of each passage that it leaves open.
+
+    A motion whose motors are too weak to make it without springs grows from rest: while it is small
+    they can make it, and what they learn then goes over to the springs, which grow with it.
+
+    Args:
+        experiment: as it was given.
+        robot: of it.
+        optima: of its motions, asked for where motors have limits.
+        notes: get a line of each motion that grows.
+    """
+    filled = list(experiment.motion)
+    for index, motion in enumerate(filled):
+        if motion.blend is not None:
+            continue
+        weak = []
+        if experiment.law.kind == "transfer" and np.isfinite(robot.torque_limit).any():
+            with suppress(MotionError):  # which is said where the motion is asked for
+                weak = _weak(robot, optima()[index].torque_without_springs)
+        update: dict[str, float] = {"blend": min(1, motion.cycles - 1)}
+        if weak:
+            # A duration that is given is kept.
+            more = 0 if "duration" in motion.model_fields_set else GROWTH
+            cycles = min(GROWTH, (motion.cycles + more) // 2)
+            update = {"blend": cycles, "duration": motion.duration + more * motion.period}
+            notes.append(
+                f"motion.{index} grows over {cycles} cycles while springs take over what "
+                f"{joined(weak)} cannot give without them (motion.{index}.blend)"
+            )
+        filled[index] = motion.model_copy(update=update)
+    return experiment.model_copy(update={"motion": tuple(filled)})
+
+
+def _weak(robot: Robot, torque: np.ndarray) -> list[str]:
+    """Joints whose motors hardly can give a torque (N, n) [N m]."""
+    low, high = WEAK * robot.torque_limit.T
+    beyond = ((torque < low) | (torque > high)).any(axis=0)
+    return [joint for joint, is_beyond in zip(robot.joints, beyond, strict=True) if is_beyond]

@@ -8,7 +8,7 @@ from ..experiments.experiment import Experiment
 from ..laws.gains import Gains
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
-from ..motions.singular import jerk
+from ..motions.margins import jerk
 from ..robots.robot import Robot
 from ..robots.touching import PASSING, touching
 from ..springs.fit import LinearSprings
@@ -59,8 +59,7 @@ def lost(loaded: list[Kinematics], found: list[JointMotion], optima: list[Optimu
     said = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         robot = kinematics.robot
-        friction = robot.model.dof_frictionloss[robot.dof_address]
-        resisted = robot.damping * joints.dq + friction * np.sign(joints.dq)
+        resisted = robot.damping * joints.dq + robot.friction * np.sign(joints.dq)
         without = best.torque_squared_without_springs
         share = float((resisted**2).sum(axis=1).mean()) / without if without else 0.0
         if share > WASTED and best.torque_reduction < 1 - WASTED:
@@ -120,7 +119,7 @@ def _beyond_ranges(name: str, robot: Robot, joints: JointMotion) -> list[str]:
 
 def _touching(name: str, robot: Robot, joints: JointMotion) -> list[str]:
     """What touches along a motion."""
-    found = touching(robot.model, robot.qpos, robot.qpos_address, _poses(joints))
+    found = touching(robot.model, robot.positions(_poses(joints)))
     return [
         f"along {name} {touch}, for {percent(touch.share, 0)} of it: give another center, size or "
         f"home, or {PASSING}"

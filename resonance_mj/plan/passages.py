@@ -17,12 +17,12 @@ def passages(plan: Plan) -> dict[int, JointMotion]:
     start = plan.robot.home if plan.left is None else plan.left.q
     for segment, motion in enumerate(plan.experiment.motion):
         first = plan.schedule.index(segment)
-        cycles = range(first, first + motion.blend)
+        cycles = range(first, first + motion.passage)
         if cycles:
             made = plan.kinematics.passage(
                 motions.in_a_row([plan.desired(cycle) for cycle in cycles]),
                 start,
-                motion.blend * motion.period,
+                motion.passage * motion.period,
                 f"experiment {plan.experiment.name!r}: passage to motion.{segment}",
                 plan.gains.alpha_0,
             )

@@ -26,7 +26,7 @@ from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..text import Caution
 from . import notes
-from .filling import Left, adapting, without_passage
+from .filling import GRADUAL, Left, adapting, growing, without_passage
 from .holding import holding
 from .inputs import Input, gather
 from .passages import passages
@@ -83,7 +83,7 @@ class Plan:
     @cached_property
     def optima(self) -> list[Optimum]:
         """The best constant springs of each motion, by inverse dynamics; no law uses them."""
-        law, bounds, found = self.experiment.law, self.experiment.springs, []
+        law, bounds, found = self.experiment.law, self.gains.bounds, []
         for index, (joints, loaded) in enumerate(zip(self.joints, self.loaded, strict=True)):
             torque = self._heard(partial(loaded.torque, joints))
             # Springs of other laws than the printed ones are centred on the motion's own mean.
@@ -101,7 +101,7 @@ class Plan:
     @cached_property
     def holding(self) -> LinearSprings | None:
         """Springs that hold the arm at home from the first step; None where its motors can."""
-        return holding(self.experiment, self.loaded[0], self.q_c)
+        return holding(self.experiment, self.gains.bounds, self.loaded[0], self.q_c)
 
     @cached_property
     def q_s(self) -> np.ndarray:
@@ -148,7 +148,11 @@ class Plan:
         """Which cycle of the passage into its motion a cycle of the run is, None for no passage."""
         segment = self.schedule[cycle]
         begun = cycle - self.schedule.index(segment)
-        return begun if begun < self.experiment.motion[segment].blend else None
+        return begun if begun < self.experiment.motion[segment].passage else None
+
+    def learns_on_the_way(self, cycle: int) -> bool:
+        """Whether the passage that a cycle is part of changes little enough to learn from."""
+        return self.experiment.motion[self.schedule[cycle]].passage >= GRADUAL
 
     def desired(self, cycle: int) -> motions.Samples:
         """The desired motion in a cycle of the run: a motion, or the passage to it."""
@@ -170,7 +174,7 @@ class Plan:
             old = motions.sample(left, length, self.robot)
             at = (begun * steps + np.arange(steps)) % length
             before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
-        return motions.blended(before, samples, begun, motion.blend, motion.period)
+        return motions.blended(before, samples, begun, motion.passage, motion.period)
 
     def joint_motion(self, cycle: int) -> JointMotion:
         """Joint motion that makes the desired motion of a cycle of the run."""
@@ -273,7 +277,7 @@ def plan_for(
     for motion in experiment.motion:
         if motion.payload not in by_payload:
             by_payload[motion.payload] = Kinematics(robot.carrying(motion.payload))
-    return Plan(
+    plan = Plan(
         experiment=experiment,
         robot=robot,
         kinematics=unloaded,
@@ -284,6 +288,7 @@ def plan_for(
         _followed={} if followed is None else followed,
         _warned=warned,
     )
+    return replace(plan, experiment=growing(experiment, robot, lambda: plan.optima, warned))
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:

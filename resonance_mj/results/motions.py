@@ -36,6 +36,9 @@ class MotionOfRun:
         stiffness_optimal: of the best constant springs (n,) [N m/rad].
         offset_optimal: likewise (n,) [N m].
         equilibrium_optimal: likewise (n,) [rad].
+        stiffness_least: the least with which torque² is at most 1 % of that without springs above
+            the optimum's, whatever the other joints' springs (n,) [N m/rad].
+        stiffness_most: the greatest likewise (n,) [N m/rad].
         torque_squared_optimal: with the best constant springs [N² m²].
         torque_squared_without_springs: without any [N² m²].
         samples: the per-time part of the run's data that belongs to the motion.
@@ -61,6 +64,8 @@ class MotionOfRun:
     stiffness_optimal: np.ndarray
     offset_optimal: np.ndarray
     equilibrium_optimal: np.ndarray
+    stiffness_least: np.ndarray
+    stiffness_most: np.ndarray
     torque_squared_optimal: float
     torque_squared_without_springs: float
     samples: xr.Dataset
@@ -138,6 +143,7 @@ class MotionOfRun:
 
 _PER_CYCLE = ("torque_squared", "torque_reduction", "torque_share", "tracking_rms", "passage")
 _SPRINGS = ("stiffness", "offset", "equilibrium")
+_RANGE = ("stiffness_least", "stiffness_most")
 _PER_MOTION = (
     "start",
     "end",
@@ -169,6 +175,7 @@ def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
                 samples=data.isel(time=np.flatnonzero(of_sample == number)),
                 **{name: data[name].values[cycles] for name in _PER_CYCLE},
                 **{name: data[f"{name}_per_cycle"].values[cycles] for name in _SPRINGS},
+                **{name: data[name].values[row] for name in _RANGE},
                 **{f"{name}_optimal": data[f"{name}_optimal"].values[row] for name in _SPRINGS},
                 **{name: data[name].values[row].item() for name in _PER_MOTION},
             )

@@ -62,6 +62,10 @@ VARIABLES = {
     "stiffness_optimal": Variable(MOTION_JOINT, "N m/rad", "stiffness of the optimal springs"),
     "offset_optimal": Variable(MOTION_JOINT, "N m", "offset of the optimal springs"),
     "equilibrium_optimal": Variable(MOTION_JOINT, "rad", "q_e of the optimal springs"),
+    "stiffness_least": Variable(
+        MOTION_JOINT, "N m/rad", "least that leaves 1 % more of torque_squared_without_springs"
+    ),
+    "stiffness_most": Variable(MOTION_JOINT, "N m/rad", "greatest that leaves 1 % more of it"),
     "torque_squared_optimal": Variable(MOTION, "N^2 m^2", "torque_squared of the optimum"),
     "torque_squared_without_springs": Variable(MOTION, "N^2 m^2", "the same without springs"),
     "optimum_made": Variable(MOTION, "1", "1 if the optimum is of the joint motion made", "i"),

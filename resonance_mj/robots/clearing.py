@@ -7,11 +7,17 @@ from ..text import listed
 from .touching import FAR, called, contacts, distance
 
 
-def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
-    """Delete what acts on joints besides motors and the law, or refers to what is deleted."""
+def take_out(spec: mujoco.MjSpec, notes: list[str], kept: list[int]) -> None:
+    """Delete what acts on joints besides motors and the law, or refers to what is deleted.
+
+    Args:
+        spec: of the robot, changed.
+        notes: get a line of each kind that is taken out.
+        kept: numbers of the equality constraints by which joints follow the arm's.
+    """
     for kind, elements in (
         ("tendons", spec.tendons),
-        ("equality constraints", spec.equalities),
+        ("equality constraints", [e for i, e in enumerate(spec.equalities) if i not in kept]),
         ("sensors", spec.sensors),
         ("keyframes", spec.keys),
     ):
@@ -23,7 +29,7 @@ def take_out(spec: mujoco.MjSpec, notes: list[str]) -> None:
 
 
 def take_springs_off(
-    spec: mujoco.MjSpec, model: mujoco.MjModel, joints: tuple[str, ...], notes: list[str]
+    spec: mujoco.MjSpec, model: mujoco.MjModel, joints: list[str], notes: list[str]
 ) -> None:
     """Take the file's own springs off the arm's joints: the law puts its own there.
 

@@ -11,7 +11,9 @@ from . import chain
 _EQ = mujoco.mjtEq
 
 
-def check(model: mujoco.MjModel, joints: list[int], asked: bool, path: Path) -> None:
+def check(
+    model: mujoco.MjModel, joints: list[int], kept: list[int], asked: bool, path: Path
+) -> None:
     """Refuse constraints of the file that make joints of the arm depend on others.
 
     They are taken out where the joints that move are asked for by name.
@@ -19,6 +21,7 @@ def check(model: mujoco.MjModel, joints: list[int], asked: bool, path: Path) -> 
     Args:
         model: of the file.
         joints: ids of those that move.
+        kept: ids of the constraints by which others follow them.
         asked: whether they are named in the experiment.
         path: of the file.
 
@@ -26,7 +29,8 @@ def check(model: mujoco.MjModel, joints: list[int], asked: bool, path: Path) -> 
         RobotError: joints are coupled, or bodies that they move are tied to others: a closed loop.
     """
     for i in range(model.neq):
-        tied = set() if asked or not model.eq_active0[i] else _tied(model, i, set(joints))
+        passed = asked or i in kept or not model.eq_active0[i]
+        tied = set() if passed else _tied(model, i, set(joints))
         if tied:
             name = f" {model.equality(i).name!r}" * bool(model.equality(i).name)
             kind = _EQ(model.eq_type[i]).name.removeprefix("mjEQ_").lower()

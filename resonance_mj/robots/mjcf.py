@@ -18,6 +18,7 @@ from ..files import is_file, is_folder
 from ..text import listed, shown
 from . import chain, clearing, closures, menagerie, motors, moving, names, poses, sound, source
 from .compiling import compile_spec, parse
+from .couplings import Followers
 from .tool import Tool, find_tools, moved
 
 TOOL_SITE = "resonance_mj_tool"
@@ -35,6 +36,7 @@ class Arm:
         at_home: its state, with the joints off the arm where they are held.
         joints: names of the joints from the world to the tool.
         joint_id: their ids in `model` (n,).
+        followers: the joints that are coupled to them.
         tools: what could follow the motion, first what does.
         site: name of the site of `spec` that follows it.
         body: id in `model` of the body that carries it.
@@ -49,6 +51,7 @@ class Arm:
     at_home: mujoco.MjData
     joints: tuple[str, ...]
     joint_id: np.ndarray
+    followers: Followers
     tools: tuple[Tool, ...]
     site: str
     body: int
@@ -59,13 +62,18 @@ class Arm:
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """The tool's Jacobian (6, n) in the file's model at joint angles (n,) [m/rad, rad/rad]."""
         model, data = self.model, self.at_home
-        data.qpos[model.jnt_qposadr[self.joint_id]] = q
-        mujoco.mj_kinematics(model, data)
+        self.pose(q)
         mujoco.mj_comPos(model, data)
         full = np.zeros((6, model.nv))
         at = data.xpos[self.body] + data.xmat[self.body].reshape(3, 3) @ self.point
         mujoco.mj_jac(model, data, full[:3], full[3:], at, self.body)
-        return full[:, model.jnt_dofadr[self.joint_id]]
+        return self.followers.borne(full)[:, model.jnt_dofadr[self.joint_id]]
+
+    def pose(self, q: np.ndarray) -> None:
+        """Bring the file's model to joint angles (n,) [rad]."""
+        self.at_home.qpos[self.model.jnt_qposadr[self.joint_id]] = q
+        self.followers.place(self.at_home.qpos)
+        mujoco.mj_kinematics(self.model, self.at_home)
 
 
 def find(mjcf: str) -> Path:
@@ -137,15 +145,20 @@ def read(given: Robot) -> Arm:
     others = [model.key(i).name for i in range(model.nkey) if model.key(i).name not in ("", key)]
     if others:
         notes.append(f"keyframes that robot.home can name: {listed(others)}")
-    chain.weld_rest(model, joint_ids)
+    followers = Followers(model, joint_ids)
+    notes += followers.said()
+    followers.place(at_home.qpos)
+    followers.narrow(model)
+    moved_ids = [*joint_ids, *followers.joint]
+    chain.weld_rest(model, moved_ids)
     joints = tuple(model.joint(j).name for j in joint_ids)
-    limits = [motors.torque_limit(model, j) for j in joint_ids]
-    motors.keep_rotors(spec, model, joint_ids)
-    closures.check(model, joint_ids, given.joints is not None, path)
-    motors.replace(spec, model, joint_ids, notes)
-    clearing.take_out(spec, notes)
-    poses.hold_off_chain(spec, model, at_home, joint_ids, notes)
-    clearing.take_springs_off(spec, model, joints, notes)
+    limits = [motors.torque_limit(model, followers.moved_by(j)) for j in joint_ids]
+    motors.keep_rotors(spec, model, moved_ids)
+    closures.check(model, joint_ids, followers.constraint, given.joints is not None, path)
+    motors.replace(spec, model, moved_ids, notes)
+    clearing.take_out(spec, notes, followers.constraint)
+    poses.hold_off_chain(spec, model, at_home, moved_ids, notes)
+    clearing.take_springs_off(spec, model, [model.joint(j).name for j in moved_ids], notes)
     clearing.passive_gravity(spec, notes)
     clearing.switch_on(spec, notes)
     for joint, limit in zip(joints, limits, strict=True):
@@ -157,6 +170,7 @@ def read(given: Robot) -> Arm:
         at_home=at_home,
         joints=joints,
         joint_id=np.array(joint_ids),
+        followers=followers,
         tools=tools,
         site=site,
         body=body,

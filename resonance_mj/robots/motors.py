@@ -16,14 +16,32 @@ NO_LIMIT = (-np.inf, np.inf)
 """The ends of a torque that nothing limits [N m]."""
 
 
-def torque_limit(model: mujoco.MjModel, joint: int) -> tuple[float, float] | None:
-    """Least and greatest torque that the actuators can put on a joint; None without limit."""
+def torque_limit(
+    model: mujoco.MjModel, moved: list[tuple[int, float]]
+) -> tuple[float, float] | None:
+    """Least and greatest torque that the actuators can put on a joint; None without limit.
+
+    Args:
+        model: of the file.
+        moved: the joint's id and 1, and of joints that follow it their ids and how fast they turn.
+    """
+    given: list[list[float]] = [
+        sorted(speed * end for end in _joint_limit(model, j))
+        for j, speed in moved
+        if _acting_on(model, j) or model.jnt_actfrclimited[j]
+    ]
+    low, high = np.sum(given or [list(_joint_limit(model, moved[0][0]))], axis=0)
+    return (float(low), float(high)) if np.isfinite([low, high]).all() and low < high else None
+
+
+def _joint_limit(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
+    """Least and greatest torque of the actuators on one joint."""
     acting = _acting_on(model, joint)
     low, high = np.sum([_actuator_limit(model, a) for a in acting] or [NO_LIMIT], axis=0)
     if model.jnt_actfrclimited[joint]:
         low = max(low, model.jnt_actfrcrange[joint, 0])
         high = min(high, model.jnt_actfrcrange[joint, 1])
-    return (float(low), float(high)) if np.isfinite([low, high]).all() and low < high else None
+    return low, high
 
 
 def _acting_on(model: mujoco.MjModel, joint: int) -> list[int]:
@@ -78,7 +96,7 @@ def replace(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int], notes:
         if names:
             notes.append(f"{what} {listed(names)}")
     for j in chain:
-        low, high = torque_limit(model, j) or NO_LIMIT
+        low, high = torque_limit(model, [(j, 1.0)]) or NO_LIMIT
         if low >= 0 or high <= 0:
             notes.append(
                 f"the motor of {model.joint(j).name} gives {low:g} to {high:g} N m: it can turn "

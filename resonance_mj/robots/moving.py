@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import RobotError
 from ..text import listed, shown
-from . import chain
+from . import chain, couplings
 
 
 def joints(
@@ -50,6 +50,8 @@ def joints(
         )
         rest = rest[len(base) :]
     driven = _driven(model)
+    follow = couplings.dependent(model, rest, driven)
+    rest = [j for j in rest if j not in follow]
     idle = [j for j in rest if j not in driven]
     if idle and len(idle) < len(rest):
         notes.append(

@@ -15,6 +15,7 @@ from ..text import joined
 from . import clearing, mjcf, payload, sound, task
 from . import home as homes
 from .compiling import compile_spec
+from .couplings import Followers
 from .tool import Tool
 from .warned import heard
 
@@ -39,6 +40,7 @@ class Robot:
         qpos_address: their addresses in qpos (n,).
         dof_address: their addresses in qvel (n,).
         actuator_id: the motor of each (n,).
+        followers: the joints that are coupled to these.
         site: id of the tool's site.
         axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
         coordinate: their numbers, 0 to 5 (m,).
@@ -62,6 +64,7 @@ class Robot:
     qpos_address: np.ndarray
     dof_address: np.ndarray
     actuator_id: np.ndarray
+    followers: Followers
     site: int
     payload: int | None
     axes: tuple[str, ...]
@@ -106,7 +109,26 @@ class Robot:
     @property
     def damping(self) -> np.ndarray:
         """Viscous damping of each joint (n,) [N m s/rad]."""
-        return self.model.dof_damping[self.dof_address]
+        return self._with_followers(self.model.dof_damping, 2)
+
+    @property
+    def friction(self) -> np.ndarray:
+        """Dry friction of each joint (n,) [N m]."""
+        return self._with_followers(self.model.dof_frictionloss, 1)
+
+    def _with_followers(self, of_dof: np.ndarray, power: int) -> np.ndarray:
+        address = self.model.jnt_dofadr
+        moved = map(self.followers.moved_by, self.joint_id)
+        return np.array(
+            [sum(of_dof[address[j]] * abs(speed) ** power for j, speed in one) for one in moved]
+        )
+
+    def positions(self, q: np.ndarray) -> np.ndarray:
+        """The whole model's qpos (..., nq) at joint angles (..., n) [rad]."""
+        qpos = np.tile(self.qpos, (*q.shape[:-1], 1))
+        qpos[..., self.qpos_address] = q
+        self.followers.place(qpos)
+        return qpos
 
     @property
     def limited(self) -> np.ndarray:
@@ -166,21 +188,25 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         arm.model.opt.disableflags = spec.option.disableflags
         home = homes.chosen(given, arm)
         if given.contacts:
-            arm.at_home.qpos[arm.model.jnt_qposadr[arm.joint_id]] = home
+            arm.pose(home)
             clearing.let_overlaps_pass(spec, arm.model, arm.at_home, notes)
         axes = task.axes(experiment.task.coordinates, arm, home)
         _check_lengths(experiment, joints, axes, path)
         n = len(joints)
-        spec.nuserdata = arm.model.nuserdata + room(n, len(axes), n)
+        dofs = n + len(arm.followers.joint)
+        spec.nuserdata = arm.model.nuserdata + room(n, len(axes), dofs)
         carries = any(motion.payload > 0 for motion in experiment.motion)
         load = payload.add(spec, arm.site, arm.point) if carries else None
         model = compile_spec(spec, path)
         joint_id = np.array([model.joint(name).id for name in joints])
         actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
         site = int(model.site(arm.site).id)
+        followers = Followers(model, joint_id.tolist())
+        followers.narrow(model)
         qpos = model.qpos0.copy()
         qpos[model.jnt_qposadr[joint_id]] = home
-        jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site)
+        followers.place(qpos)
+        jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site, followers)
         sound.check_inertia(inertia, joints, path)
     coordinate = np.array([task.AXES[axis] for axis in axes])
     J = jacobian[coordinate]
@@ -191,6 +217,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         qpos_address=model.jnt_qposadr[joint_id].copy(),
         dof_address=model.jnt_dofadr[joint_id].copy(),
         actuator_id=actuator_id,
+        followers=followers,
         site=site,
         payload=None if load is None else int(model.body(load).id),
         axes=axes,
@@ -278,7 +305,11 @@ def _check_lengths(
 
 
 def _at_home(
-    model: mujoco.MjModel, qpos: np.ndarray, joint_id: np.ndarray, site: int
+    model: mujoco.MjModel,
+    qpos: np.ndarray,
+    joint_id: np.ndarray,
+    site: int,
+    followers: Followers,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Jacobian (6, n), the tool's position (3,) and orientation (3, 3), inertia matrix (n, n)."""
     data = mujoco.MjData(model)
@@ -289,4 +320,5 @@ def _at_home(
     mujoco.mj_jacSite(model, data, jacobian[:3], jacobian[3:], site)
     mujoco.mj_fullM(model, data, full)
     place, turn = data.site_xpos[site].copy(), data.site_xmat[site].reshape(3, 3).copy()
+    jacobian, full = followers.borne(jacobian), followers.borne(followers.borne(full).T)
     return jacobian[:, dofs], place, turn, full[np.ix_(dofs, dofs)]

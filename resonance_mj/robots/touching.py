@@ -65,26 +65,17 @@ def distance(model: mujoco.MjModel, first: int, second: int) -> int:
     return FAR
 
 
-def touching(
-    model: mujoco.MjModel,
-    qpos: np.ndarray,
-    addresses: np.ndarray,
-    positions: np.ndarray,
-    clearance: float = 0.0,
-) -> list[Touch]:
+def touching(model: mujoco.MjModel, positions: np.ndarray, clearance: float = 0.0) -> list[Touch]:
     """The pairs of bodies that touch along a motion, the one that touches longest first.
 
     None where contacts are switched off in the model.
 
     Args:
         model: of the arm.
-        qpos: of the whole model, for what does not move (nq,).
-        addresses: of the joints that move, in qpos (n,).
-        positions: their joint angles, at each sample (N, n) [rad or m].
+        positions: qpos at each sample (N, nq) [rad or m].
         clearance: distance below which bodies count as touching [m]; 0 for the file's own margins.
     """
     data = mujoco.MjData(model)
-    data.qpos[:] = qpos
     depths: dict[tuple[str, str], dict[int, float]] = {}
     margin, flags = model.opt.o_margin, model.opt.enableflags
     if clearance:
@@ -92,7 +83,7 @@ def touching(
         model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_OVERRIDE
     try:
         for sample, q in enumerate(positions):
-            data.qpos[addresses] = q
+            data.qpos[:] = q
             for first, second, depth in contacts(model, data):
                 at = depths.setdefault((called(model, first), called(model, second)), {})
                 at[sample] = max(at.get(sample, 0.0), depth)

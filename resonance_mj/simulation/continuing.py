@@ -76,6 +76,7 @@ def start(run: Run, plan: Plan) -> Start:
             u=u,
             y=last["y"].values,
             q=last["q"].values,
+            tau=last["tau"].values,
             q_desired=before.joints[-1].q if "joints" in before.law.told else last["q"].values,
             springs=springs,
             q_s=before.q_s,

@@ -18,6 +18,15 @@ GROWN, FLOOR = 2.0, 0.01
 """How many times its least an error is that grows, and the share of what tracks below which none
 does."""
 
+RISING = 4
+"""Cycles in a row that each exceed the one before where learning diverges."""
+
+LEAST_RISE = 1.05
+"""Factor by which they exceed it together."""
+
+WORTH = 0.01
+"""Share of torque² without springs below which growth of torque² is none."""
+
 MOST = 3
 """Hindrances that a message names."""
 
@@ -62,7 +71,7 @@ def ending(
         motions: of the run.
         hindered: `hindrances` of the last whole cycle of each that has one, by its number from 0.
     """
-    lost, touched, notes = [], [], []
+    lost, growing, touched, notes = [], [], [], []
     for index, held in hindered.items():
         motion, name = motions[index], f"motion {index + 1}"
         bearing = [one for one in held if one.bears]
@@ -74,10 +83,38 @@ def ending(
                 f"in the last cycle of {name} {named(bearing)}, and the "
                 f"springs bear on that too; try {bearing[0].cure}"
             )
-        elif growth := _growth(motion, GROWN):
-            notes.append(Caution(f"the RMS error of {name} has {growth}: learning may diverge"))
-    status = Status.NOT_TRACKING if lost else Status.IN_CONTACT if touched else Status.OK
-    return Ending(status, "; ".join(lost or touched), tuple(notes))
+        else:
+            for growth, of in (
+                (_harder(motion), motion.torque_squared),
+                (_growth(motion, GROWN), motion.tracking_rms),
+            ):
+                what = "torque²" if of is motion.torque_squared else "the RMS error"
+                if growth and _faster(of):
+                    growing.append(
+                        f"{what} of {name} has {growth}, ever faster; try {calmer(plan)}"
+                    )
+                elif growth:
+                    notes.append(Caution(f"{what} of {name} has {growth}"))
+    found = {
+        Status.NOT_TRACKING: lost,
+        Status.DIVERGING: growing,
+        Status.IN_CONTACT: touched,
+        Status.OK: [""],
+    }
+    status = next(status for status, why in found.items() if why)
+    return Ending(status, "; ".join(found[status]), tuple(notes))
+
+
+def calmer(plan: Plan) -> str:
+    """What to try where learning diverges."""
+    law = plan.experiment.law
+    key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
+    lead = "law.lead = 1, " if plan.gains.lead == 0 else ""
+    timestep = plan.experiment.simulation.timestep
+    return (
+        f"{lead}a smaller law.{key} (now {now:g}) or a shorter simulation.timestep "
+        f"(now {timestep:g} s)"
+    )
 
 
 def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
@@ -121,12 +158,33 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
 
 def _growth(motion: MotionOfRun, factor: float) -> str:
     """From where the tracking error has grown so many times; empty if it has not."""
-    errors = motion.tracking_rms
+    errors = np.where(motion.passage, np.inf, motion.tracking_rms)
     lowest = int(np.argmin(errors))
     floor = max(errors[lowest], FLOOR * TRACKING * motion.size)
     if errors[-1] <= factor * floor:
         return ""
     return f"grown from {length(errors[lowest])} in its cycle {lowest + 1}"
+
+
+def _harder(motion: MotionOfRun) -> str:
+    """From where torque² has grown, beyond what the optimum needs; empty if it does not."""
+    torque = motion.torque_squared[motion.passage == 0]
+    worth = WORTH * motion.torque_squared_without_springs
+    least = max(torque.min(initial=np.inf), motion.torque_squared_optimal, worth)
+    if not torque.size or not 0 < GROWN * least < torque[-1]:
+        return ""
+    return f"grown to {torque[-1] / least:.2g} times its least"
+
+
+def _faster(values: np.ndarray) -> bool:
+    """Whether the last few cycles each exceed the one before, by no less than those before them.
+
+    What diverges grows by a factor; springs of the law as printed, which drift, by less and less.
+    """
+    rises = values[1:] / values[:-1]
+    last, before = rises[-RISING:], rises[-2 * RISING : -RISING]
+    rise = max(before.prod(), LEAST_RISE)
+    return len(before) == RISING and bool((last > 1).all() and last.prod() >= rise)
 
 
 def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
@@ -138,7 +196,7 @@ def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
             f"{touch}, for {_share(touch.share)} of it",
             f"another motion.{index}.center, size or robot.home, or {PASSING}",
         )
-        for touch in touching(robot.model, robot.qpos, robot.qpos_address, seen)
+        for touch in touching(robot.model, robot.positions(seen))
     ]
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 
 from ..errors import ExperimentError
-from ..experiments.sections import Springs
 from ..laws.memory import Memory
 from ..plan.plan import Plan
 from ..robots.reach import reach as arm_reach
+from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, reach
 from ..text import shown
 
@@ -14,9 +14,14 @@ from ..text import shown
 def load_law(memory: Memory, index: int, plan: Plan) -> None:
     """Write the robot's indices, the gains, the bounds and the first springs into the memory."""
     experiment, robot, chosen = plan.experiment, plan.robot, plan.gains
-    law, bounds = experiment.law, experiment.springs
+    law, bounds = experiment.law, chosen.bounds
     for name in ("qpos_address", "dof_address", "joint_id", "actuator_id", "coordinate"):
         memory[name][index] = getattr(robot, name)
+    memory["leader"][index] = -1
+    for j, joint in enumerate(robot.joint_id):
+        for follower, speed in robot.followers.moved_by(joint)[1:]:
+            dof = robot.model.jnt_dofadr[follower]
+            memory["leader"][index, dof], memory["ratio"][index, dof] = j, speed
     memory["orientation"][index] = robot.orientation
     memory["posture"][index] = robot.home
     memory["k_v"][index] = chosen.k_v
@@ -51,7 +56,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         memory.scalar(name)[index] = value
 
 
-def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Springs) -> None:
+def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bounds) -> None:
     """Write the springs that act, and how far from their centre they may go, into the memory."""
     for name, value in zip(("stiffness", "offset", "q_c"), springs, strict=True):
         memory[name][index] = value
@@ -60,10 +65,9 @@ def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Spr
 
 def _first_springs(plan: Plan) -> LinearSprings:
     """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed."""
-    bounds, adapts = plan.experiment.springs, plan.law.adapts
-    k = np.asarray(bounds.initial_stiffness, float)
-    if adapts:
-        k = np.where(k == 0.0, np.clip(k, *bounds.stiffness), k)
+    springs, bounds, adapts = plan.experiment.springs, plan.gains.bounds, plan.law.adapts
+    k = np.broadcast_to(np.asarray(springs.initial_stiffness, float), plan.robot.n)
+    k = np.where(bool(adapts) | (k != 0.0), np.clip(k, *bounds.stiffness), k)
     if plan.holding is not None:
         k = np.where(plan.holding.stiffness > 0, plan.holding.stiffness, k)
         return LinearSprings(k, plan.holding.offset, plan.q_c)
@@ -71,14 +75,14 @@ def _first_springs(plan: Plan) -> LinearSprings:
     # Springs whose stiffness alone is adapted have their equilibrium at q_c, where q̄_e is 0.
     if adapts == ("gamma_k",):
         return LinearSprings(k, k * np.clip(0.0, low, high), q_c)
-    given = bounds.initial_equilibrium
+    given = springs.initial_equilibrium
     angle = np.asarray(given, float)
     away = angle - q_c
     inside = np.clip(away, low, high)
     outside = (k != 0.0) & (angle != 0.0) & (away != inside)
     if outside.any() and "springs" not in plan.law.told:
         j = int(outside.argmax())
-        about = " about law.q_c" if bounds.equilibrium_about == "center" else ""
+        about = " about law.q_c" if springs.equilibrium_about == "center" else ""
         raise ExperimentError(
             f"experiment {plan.experiment.name!r}: springs.initial_equilibrium = {shown(given)} is "
             f"outside the bounds of {plan.robot.joints[j]}, springs.equilibrium{about}: "
@@ -110,7 +114,7 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
         memory["q_desired"][index, : len(q)] = q
         memory["dq_desired"][index, : len(q)] = dq
     if "springs" in told:
-        load_springs(memory, index, plan.optima[segment].springs, plan.experiment.springs)
+        load_springs(memory, index, plan.optima[segment].springs, plan.gains.bounds)
     if "torque" in told:  # of the motors that makes the desired motion with the best springs
         joints = plan.joint_motion(cycle)
         needed = plan.loaded[segment].torque(joints)

@@ -11,7 +11,7 @@ from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
 from .continuing import Start
-from .ending import ending, hindrances, named
+from .ending import calmer, ending, hindrances, named
 from .loading import load_law, load_motion, load_springs
 from .recording import Recording
 from .stepper import Stepper
@@ -51,9 +51,11 @@ class Member:
         memory, index, robot = self._memory, self._index, self.plan.robot
         qpos, qvel = self._stepper.state(index)
         qpos[robot.qpos_address], qvel[robot.dof_address] = start.q, start.dq
+        robot.followers.place(qpos)
+        robot.followers.move(qvel)
         positions = ["xyz".index(axis) for axis in robot.position_axes]
         memory["before"][index, positions] = start.x[: len(positions)]
-        load_springs(memory, index, start.springs, self.plan.experiment.springs)
+        load_springs(memory, index, start.springs, self.plan.gains.bounds)
         memory["learned"][index, : len(start.u)] = start.u
 
     def begin_cycle(self, cycle: int) -> None:
@@ -130,20 +132,21 @@ class Member:
         return found | {"x_desired": self._memory["x_desired"][self._index, :steps]}
 
     def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
-        """Replace the learned torque of a cycle by that of the next; a passage teaches nothing."""
+        """Replace the learned torque of a cycle by that of the next; short passages teach none."""
         memory, index, plan = self._memory, self._index, self.plan
         learned = signals["u"]
-        if not self._passing:
+        if not self._passing or plan.learns_on_the_way(cycle):
             done = learning.Cycle(
                 u=learned,
                 y=signals["y"],
                 q=signals["q"],
+                tau=signals["tau"],
                 q_desired=memory["q_desired"][index, : len(learned)],
                 springs=springs,
                 q_s=plan.q_s,
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
-            load_springs(memory, index, springs, plan.experiment.springs)
+            load_springs(memory, index, springs, plan.gains.bounds)
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
 
@@ -160,18 +163,15 @@ class Member:
             why = self._recording.diverges()
             if not why:
                 return ""
-        tries = f"a shorter simulation.timestep (now {dt:g} s)"
         if cycle == 0:
             by_hand = law.k_v is not None or law.k_p is not None
             smaller = (
                 "law.k_v and law.k_p" if by_hand else f"law.omega (now {plan.gains.omega:g} 1/s)"
             )
-            tries = f"{'smaller' if by_hand else 'a smaller'} {smaller} or {tries}"
+            a = "" if by_hand else "a "
+            tries = f"{a}smaller {smaller} or a shorter simulation.timestep (now {dt:g} s)"
         else:
-            key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
-            tries = f"a smaller law.{key} (now {now:g}) or {tries}"
-            if plan.gains.lead == 0:
-                tries = f"law.lead = 1, {tries}"
+            tries = calmer(plan)
         before = self._recording.last.get(segment)
         held = hindrances(plan, segment, before) if before else []
         if held:

@@ -140,7 +140,7 @@ class Recording:
                         cycle.total,
                         center=cycle.center,
                         period=experiment.motion[segment].period,
-                        bounds=experiment.springs,
+                        bounds=self._plan.gains.bounds,
                     )
         return found, made
 
@@ -187,6 +187,8 @@ class Recording:
             values[f"equilibrium{suffix}"] = equilibrium_angles(k, offset, center)
         for name in ("stiffness", "offset", "equilibrium", "torque_squared"):
             values[f"{name}_optimal"] = np.array([getattr(best, name) for best in optima])
+        ranges = np.array([best.stiffness_range() for best in optima])
+        values["stiffness_least"], values["stiffness_most"] = np.moveaxis(ranges, 2, 0)
         without = np.array([best.torque_squared_without_springs for best in optima])
         best_torque = [
             optima[self._segment[part[0] - 1]].torque[: len(part)]

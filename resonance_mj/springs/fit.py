@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..experiments.sections import Springs
 from . import spring
+from .bounds import Bounds
 
 
 class LinearSprings(NamedTuple):
@@ -36,7 +36,7 @@ class LinearSprings(NamedTuple):
         return LinearSprings(self.stiffness, offset, center)
 
 
-def fit(q: np.ndarray, torque: np.ndarray, bounds: Springs, center: np.ndarray) -> LinearSprings:
+def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -> LinearSprings:
     """The feasible constant springs that leave the least ∫(τ - τ_s)ᵀ(τ - τ_s) dt of a torque τ.
 
     Args:
@@ -51,10 +51,10 @@ def fit(q: np.ndarray, torque: np.ndarray, bounds: Springs, center: np.ndarray) 
     return feasible(asked_for(q, torque), q, bounds, center)
 
 
-def reach(bounds: Springs, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def reach(bounds: Bounds, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest q_e - q_c of springs about a center q_c (n,): (n,), (n,) [rad]."""
     low, high = bounds.equilibrium
-    origin = center if bounds.equilibrium_about == "zero" else np.zeros_like(center)
+    origin = np.where(bounds.about_zero, center, 0.0)
     return low - origin, high - origin
 
 
@@ -68,7 +68,7 @@ def asked_for(q: np.ndarray, torque: np.ndarray) -> LinearSprings:
 
 
 def feasible(
-    wanted: LinearSprings, q: np.ndarray, bounds: Springs, center: np.ndarray
+    wanted: LinearSprings, q: np.ndarray, bounds: Bounds, center: np.ndarray
 ) -> LinearSprings:
     """The feasible springs nearest to `wanted` in the metric of the cost; arguments as in `fit`.
 
@@ -81,8 +81,9 @@ def feasible(
     mean = wanted.center
     low, high = (end - (mean - center) for end in reach(bounds, center))
     variance = ((q - mean) ** 2).mean(axis=0)
-    each = zip(wanted.stiffness, wanted.offset, low, high, variance, strict=True)
-    k, b = np.transpose([spring.nearest(k, b, *bounds.stiffness, *more) for k, b, *more in each])
+    within = (*bounds.stiffness, low, high, variance)
+    each = np.broadcast_arrays(wanted.stiffness, wanted.offset, *within)
+    k, b = np.transpose([spring.nearest(*one) for one in np.transpose(each)])
     return LinearSprings(k, b, mean).about(center)
 
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..experiments.sections import Springs
 from ..text import percent, shown
-from .fit import LinearSprings, fit
-from .spring import equilibrium_angles
+from .bounds import Bounds
+from .fit import LinearSprings, fit, reach
+from .spring import STILL, equilibrium_angles
 
 
 @dataclass(frozen=True, repr=False)
@@ -20,6 +20,7 @@ class Optimum:
         q: the joint motion (N, n) [rad].
         torque: τ_dopt, the motors' torque with these springs (N, n) [N m].
         torque_without_springs: τ_d(0, 0, t) (N, n) [N m].
+        bounds: of the springs.
     """
 
     springs: LinearSprings
@@ -27,6 +28,7 @@ class Optimum:
     q: np.ndarray
     torque: np.ndarray
     torque_without_springs: np.ndarray
+    bounds: Bounds
 
     def __repr__(self) -> str:
         k, q_e = (shown(np.round(v, 3)) for v in (self.stiffness, self.equilibrium))
@@ -78,9 +80,46 @@ class Optimum:
         """1 - J_min / J(0, 0); NaN for a motion that needs no torque."""
         return 1.0 - self.cost / self.cost_without_springs if self.cost_without_springs else np.nan
 
+    def stiffness_range(self, rise: float = 0.01) -> np.ndarray:
+        """Stiffnesses between which the cost hardly changes, each with the best offset (n, 2).
+
+        Args:
+            rise: how much more torque² they leave at most, as a share of that without springs.
+
+        Returns:
+            Least and greatest [N m/rad]; the bounds of one that makes no difference.
+        """
+        from scipy.optimize import brentq  # takes longer to import than a whole plan
+
+        mean = self.q.mean(axis=0)
+        low, high = reach(self.bounds, mean)
+        z, level = self.q - mean, self.torque_without_springs.mean(axis=0)
+        rest = self.torque_without_springs - level
+        allowed = rise * self.torque_squared_without_springs
+        most = (self.torque**2).mean(axis=0) + allowed
+        bounds = [np.broadcast_to(end, level.shape) for end in self.bounds.stiffness]
+        ends = np.stack(bounds, axis=1)
+        for j in np.flatnonzero((z**2).mean(axis=0) > STILL):
+
+            def beyond(k: float, j: int = int(j)) -> float:
+                """How far torque² is above the most with a stiffness and its best offset."""
+                reachable = sorted((k * low[j], k * high[j])) if k else (0.0, 0.0)
+                miss = np.clip(level[j], *reachable) - level[j]
+                return float(((rest[:, j] + k * z[:, j]) ** 2).mean() + miss**2 - most[j])
+
+            # It exceeds that of the best k* by var(q) (k - k*)² at least.
+            best, furthest = self.stiffness[j], np.sqrt(allowed / (z[:, j] ** 2).mean())
+            for side, bound in enumerate(ends[j]):
+                end = best + (2 * side - 1) * 1.001 * furthest
+                if allowed and abs(bound - best) > furthest:
+                    ends[j, side] = brentq(beyond, best, end)
+                elif beyond(bound) > 0:
+                    ends[j, side] = brentq(beyond, best, bound) if bound != best else best
+        return ends
+
 
 def best_springs(
-    q: np.ndarray, torque: np.ndarray, *, center: np.ndarray, period: float, bounds: Springs
+    q: np.ndarray, torque: np.ndarray, *, center: np.ndarray, period: float, bounds: Bounds
 ) -> Optimum:
     """The constant springs that minimise (3) for a joint motion and the torque that it needs.
 
@@ -92,4 +131,4 @@ def best_springs(
         bounds: of the springs.
     """
     best = fit(q, torque, bounds, center)
-    return Optimum(best, period, q, torque - best.torque(q), torque)
+    return Optimum(best, period, q, torque - best.torque(q), torque, bounds)

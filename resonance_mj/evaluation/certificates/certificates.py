@@ -17,8 +17,7 @@ from ...results.run import Run, Status
 from ...springs.fit import LinearSprings
 from ...springs.optimum import Optimum, best_springs
 from ...text import listed, shown
-from .lyapunov import Balance, balance
-from .orthogonality import Handover, optimal, printed, transferred
+from .proof import Balance, Handover, balance, optimal, printed, transferred
 
 FLOOR = 1e-6
 """Changes of N below this share of a motion's first N are the integrator's, not the law's."""
@@ -175,7 +174,7 @@ def _of_motion_made(run: Run, cycles: list[Cycle]) -> Optimum | None:
         last.tau + acting.torque(last.q),
         center=last.center,
         period=run.motions[last.motion].period,
-        bounds=run.experiment.springs,
+        bounds=run.plan.gains.bounds,
     )
 
 
@@ -215,7 +214,7 @@ def _of_optimum(
     rest = [unknown(motion, claim, why or NO_MOTION) for claim in (PASSIVE, FALLING)]
     if best is None:
         return [unknown(motion, OPTIMAL, NO_MOTION), *rest]
-    left = optimal(best, plan.experiment.springs)[None]
+    left = optimal(best, plan.gains.bounds)[None]
     twelve = left_over(motion, OPTIMAL, np.zeros(0, int), left, plan.robot.joints)
     if why:
         return [twelve, *rest]

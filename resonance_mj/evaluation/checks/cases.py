@@ -59,10 +59,6 @@ def _within(folder: Path) -> list[Path]:
 def read(path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Experiment:
     """Load an experiment under test; its expectations fit its motions and its robot's joints.
 
-    Args:
-        path: a built-in name, or a TOML file.
-        changes: dotted keys and other values for them, as in `Experiment.replace`.
-
     Raises:
         ExperimentError: the file is not valid, has no [expect], or expects something of a motion
             or a joint that is not there.
@@ -83,11 +79,6 @@ def read(path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None)
 
 def fit(experiment: Experiment, joints: Sequence[str], source: str) -> None:
     """See that what is expected is of motions and joints that there are.
-
-    Args:
-        experiment: with `expect`.
-        joints: names of the joints of its robot's arm.
-        source: what error messages name, such as the file.
 
     Raises:
         ExperimentError: a list is not as long as it must be, or a joint does not exist.

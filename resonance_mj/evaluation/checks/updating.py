@@ -27,11 +27,6 @@ class Update:
     What is "optimal" stays so, and bounds are requirements: only numbers with a tolerance change,
     and only where the run misses them. Comments and layout stay as they are.
 
-    Args:
-        path: the file.
-        run: its run, which ended well.
-        judgements: of the run.
-
     Raises:
         ExperimentError: a number that is expected does not exist, or is not one for all motions.
     """

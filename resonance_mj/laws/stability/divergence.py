@@ -65,7 +65,7 @@ def divergences(
         experiment.motion, kinematics, found, optima, strict=True
     ):
         begun = np.concatenate([joints.q[0], joints.dq[0]])
-        jump = None if motion.blend else start - begun
+        jump = None if motion.passage else start - begun
         poses = joints.q[np.arange(POSES) * len(joints.q) // POSES]
         # Gains beyond all bounds overflow, and are above every limit all the same.
         with np.errstate(over="ignore", invalid="ignore"):
@@ -73,7 +73,7 @@ def divergences(
             why = _of_motion(arm, gains, best, jump)
         if why:
             # A passage into the motion teaches nothing.
-            cycle = why.onset.cycle + motion.blend
+            cycle = why.onset.cycle + motion.passage
             why = why._replace(onset=why.onset._replace(cycle=cycle))
         said.append(why)
         start = begun

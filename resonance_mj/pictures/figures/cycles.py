@@ -55,8 +55,10 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
     for number, motion in enumerate(experiment.motion, start=1):
         if first:
             ax.axvline(first + 0.5, color=MUTED, linewidth=0.8)
-        if motion.blend:
-            ax.axvspan(first + 0.5, first + motion.blend + 0.5, color="0.93", linewidth=0, zorder=0)
+        if motion.passage:
+            ax.axvspan(
+                first + 0.5, first + motion.passage + 0.5, color="0.93", linewidth=0, zorder=0
+            )
         if named:
             middle, across = (first + 0.5 + motion.cycles / 2, 0.98), ("data", "axes fraction")
             remark(ax, f"motion {number}", middle, xycoords=across, ha="center", va="top")

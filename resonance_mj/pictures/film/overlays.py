@@ -100,6 +100,7 @@ class Overlays:
     def _tool_at(self, sample: int) -> np.ndarray:
         """Position of the tool (3,) [m]."""
         self._other_pose.qpos[self._arm.address] = self._shown.q[sample]
+        self._arm.followers.place(self._other_pose.qpos)
         mujoco.mj_kinematics(self._arm.model, self._other_pose)
         return self._other_pose.site_xpos[self._arm.site].copy()
 

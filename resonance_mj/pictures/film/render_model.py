@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 
 from ...errors import PictureError
+from ...robots.couplings import Followers
 from .frame_data import FrameData
 from .options import RenderOptions
 from .surroundings import corners, in_poses, size
@@ -30,6 +31,7 @@ class RenderModel:
         data: the arm's pose; at first that of the first frame.
         ids: of the arm's joints (n).
         address: of each in qpos (n,).
+        followers: the joints that are coupled to them.
         site: id of the tool's site.
     """
 
@@ -40,7 +42,7 @@ class RenderModel:
         self.model, self.data = model, mujoco.MjData(model)
         self.site = int(model.site(tool).id)
         self.ids = [model.joint(name).id for name in shown.joints]
-        self.address = model.jnt_qposadr[self.ids]
+        self.address, self.followers = model.jnt_qposadr[self.ids], Followers(model, self.ids)
         anchors, bodies = [], []
         moves = model.body_weldid[model.geom_bodyid] > 0
         seen = np.flatnonzero(moves & (model.geom_rgba[:, 3] > 0))
@@ -62,6 +64,7 @@ class RenderModel:
     def pose(self, q: np.ndarray) -> None:
         """Bring the arm to joint angles (n,) [rad]."""
         self.data.qpos[self.address] = q
+        self.followers.place(self.data.qpos)
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)

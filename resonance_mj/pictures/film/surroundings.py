@@ -9,6 +9,7 @@ from PIL import ImageColor
 
 from ...robots import mjcf
 from ...robots.compiling import compile_spec
+from ...robots.couplings import Followers
 from . import tubes
 from .frame_data import FrameData
 from .options import RenderOptions
@@ -80,9 +81,11 @@ def in_poses(
 ) -> Iterator[mujoco.MjData]:
     """A model with its joints at angles (P, n) [rad], in one mjData."""
     data = mujoco.MjData(model)
-    address = [model.jnt_qposadr[model.joint(name).id] for name in joints]
+    ids = [model.joint(name).id for name in joints]
+    address, followers = model.jnt_qposadr[ids], Followers(model, ids)
     for q in poses:
         data.qpos[address] = q
+        followers.place(data.qpos)
         mujoco.mj_kinematics(model, data)
         yield data
 
