@@ -4,6 +4,7 @@ from math import isfinite
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ...text import minus
@@ -71,7 +72,9 @@ def breadth(ax: Axes) -> float:
 
 def _inches(ax: Axes) -> np.ndarray:
     """Width and height of axes [in]."""
-    return np.asarray(ax.bbox.size) / ax.figure.dpi
+    figure = ax.get_figure()
+    assert isinstance(figure, Figure)
+    return np.asarray(figure.get_size_inches() * ax.get_position().size)
 
 
 def _told_apart(low: float, high: float) -> tuple[float, float]:
