@@ -4,9 +4,10 @@
 
 Each arm has 2 to 7 hinges about random axes, links of 10 to 40 cm and 0.3 to 3 kg, light damping;
 everything else is what the program finds for it. Half of the arms are run again with motors that
-give a quarter more than the optimum needs, or half of what is needed without springs where that is
-more. Prints how many reach the optimum within 10 and 25 cycles, and how many end within 2 % of the
-bounded optimum of the joint motion that they made.
+give a quarter more than the optimum needs, or a share of what is needed without springs where that
+is more: 100, 70, 50, 30 %. Prints how many reach the optimum within 10 and 25 cycles, and how many
+end within 2 % of the bounded optimum of the joint motion that they made; with small motors in the
+37 cycles that they take, 12 of them growing.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ from resonance_mj.springs.fit import LinearSprings
 from resonance_mj.springs.optimum import best_springs
 
 CYCLES = 25
+
+SHARES = (1.0, 0.7, 0.5, 0.3)
+"""Of the peak torque without springs, that small motors give at least."""
 
 
 def mjcf(rng: np.random.Generator, limits: np.ndarray | None = None) -> str:
@@ -69,18 +73,21 @@ def arms(count: int, seed: int, folder: Path) -> Iterator[tuple[int, rmj.Experim
         number += 1
 
 
-def with_limits(number: int, experiment: rmj.Experiment, folder: Path) -> rmj.Experiment:
+def with_limits(
+    number: int, experiment: rmj.Experiment, folder: Path, share: float
+) -> rmj.Experiment:
     """The same arm with small motors."""
     plan = plan_for(experiment)
     (best,) = plan.optima
     without, left = (np.abs(t).max(axis=0) for t in (best.torque_without_springs, best.torque))
-    path = folder / f"limited{number}.xml"
-    path.write_text(mjcf(np.random.default_rng(number), np.maximum(1.25 * left, 0.5 * without)))
+    path = folder / f"limited{number}-{share}.xml"
+    path.write_text(mjcf(np.random.default_rng(number), np.maximum(1.25 * left, share * without)))
     # The motion stays that of the arm with motors without limits.
     (motion,) = plan.experiment.motion
     as_before = {name: getattr(motion, name) for name in ("size", "center", "plane")}
+    longer = {"robot.mjcf": str(path), "motion.0.duration": CYCLES + 12.0}
     return experiment.replace(
-        {"robot.mjcf": str(path)} | {f"motion.0.{name}": value for name, value in as_before.items()}
+        longer | {f"motion.0.{name}": value for name, value in as_before.items()}
     )
 
 
@@ -120,19 +127,23 @@ def main() -> None:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        free, limited = [], []
+        free: list[rmj.Run] = []
+        limited: dict[float, list[rmj.Run]] = {share: [] for share in SHARES}
         for number, experiment in track(
             arms(options.arms, options.seed, folder), total=options.arms
         ):
             free.append(rmj.simulate(experiment))
             if len(free) % 2:
-                limited.append(rmj.simulate(with_limits(number, experiment, folder)))
+                for share, runs in limited.items():
+                    small = with_limits(number, experiment, folder, share)
+                    runs.append(rmj.simulate(small))
     print(
         "| motors | arms | at the optimum by cycle 10 | by cycle 25 | within 2 % of the optimum of "
         "the motion made | RMS below 1.5 mm | not ok |\n|---|---|---|---|---|---|---|"
     )
     print(row("without limits", free))
-    print(row("a quarter more than the optimum needs", limited))
+    for share, runs in limited.items():
+        print(row(f"small, at least {share:.0%} of the peak without springs", runs))
 
 
 if __name__ == "__main__":

@@ -296,8 +296,7 @@ def plan_for(
 def optimum(experiment: Experiment) -> list[Optimum]:
     """The optimum of each motion of an experiment, within its springs' bounds.
 
-    The joint motion comes from inverse kinematics on the branch of the home pose, its torque from
-    MuJoCo's inverse dynamics; the controller uses neither.
+    By inverse kinematics on the branch of the home pose and inverse dynamics; no law uses either.
 
     Raises:
         RobotError: the robot cannot be loaded.
