@@ -13,6 +13,10 @@ MOST_CYCLES = 1_000_000
 """Cycles that a motion, and all of an experiment together, may have."""
 
 
+GRADUAL = 4
+"""Cycles from which a passage changes little enough from one to the next to be learned from."""
+
+
 class Motion(Section):
     """A periodic motion of the tool."""
 
@@ -110,6 +114,11 @@ class Motion(Section):
     def passage(self) -> int:
         """Number of cycles in which the arm passes over into the motion."""
         return self.blend or 0
+
+    @property
+    def gradual(self) -> bool:
+        """Whether the law learns on the way into the motion."""
+        return self.passage >= GRADUAL
 
     @property
     def cycles(self) -> int:

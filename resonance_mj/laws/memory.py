@@ -128,14 +128,8 @@ class Layout:
 
 def layout_of(experiment: Experiment, joints: int, coordinates: int, dofs: int) -> Layout:
     """Sizes of the block for an experiment, on an arm with so many joints, coordinates, dofs."""
-    dt = experiment.simulation.timestep
-    return Layout(
-        joints=joints,
-        coordinates=coordinates,
-        dofs=dofs,
-        steps=max(motion.steps(dt) for motion in experiment.motion),
-        parameters=len(experiment.law.parameters),
-    )
+    steps = max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion)
+    return Layout(joints, coordinates, dofs, steps, parameters=len(experiment.law.parameters))
 
 
 class Memory:

@@ -154,10 +154,7 @@ class Kinematics:
     def passage(
         self, samples: Samples, start: np.ndarray, length: float, name: str, alpha_0: float = 10.0
     ) -> JointMotion:
-        """Joint motion of a task-space motion that ends elsewhere than it begins.
-
-        Arguments and errors as of `follow`; `length` is how long the motion takes [s].
-        """
+        """Joint motion, as `follow`'s, that ends elsewhere than it begins, `length` [s] later."""
         q, J, _ = self._cycle(samples, start, length, name, alpha_0)
         step = length / len(q)
         return self._with_rates(samples, q, J, lambda s: np.gradient(s, step, axis=0, edge_order=2))

@@ -18,9 +18,6 @@ from ..text import joined, shown
 GROWTH = 12
 """Cycles over which a motion grows that the motors cannot make before springs help them."""
 
-GRADUAL = 4
-"""Cycles from which a passage changes little enough from one to the next to be learned from."""
-
 WEAK = 0.9
 """Share of a motor's limit above which its torque without springs is more than it can give."""
 

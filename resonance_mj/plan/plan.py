@@ -24,7 +24,7 @@ from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..text import Caution
 from . import notes
-from .filling import GRADUAL, Left, adapting, growing, without_passage
+from .filling import Left, adapting, growing, without_passage
 from .holding import holding
 from .inputs import Input, gather
 from .passages import passages
@@ -145,10 +145,6 @@ class Plan:
         segment = self.schedule[cycle]
         begun = cycle - self.schedule.index(segment)
         return begun if begun < self.experiment.motion[segment].passage else None
-
-    def learns_on_the_way(self, cycle: int) -> bool:
-        """Whether the passage that a cycle is part of changes little enough to learn from."""
-        return self.experiment.motion[self.schedule[cycle]].passage >= GRADUAL
 
     def desired(self, cycle: int) -> motions.Samples:
         """The desired motion in a cycle of the run: a motion, or the passage to it."""
@@ -294,9 +290,7 @@ def plan_for(
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:
-    """The optimum of each motion of an experiment, within its springs' bounds.
-
-    By inverse kinematics on the branch of the home pose and inverse dynamics; no law uses either.
+    """The optimum of each motion of an experiment, by inverse dynamics within its springs' bounds.
 
     Raises:
         RobotError: the robot cannot be loaded.

@@ -9,7 +9,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from ..errors import ExperimentError, RobotError
 from ..experiments.experiment import Experiment
 from ..text import joined
 from . import clearing, mjcf, payload, sound, task
@@ -191,7 +190,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
             arm.pose(home)
             clearing.let_overlaps_pass(spec, arm.model, arm.at_home, notes)
         axes = task.axes(experiment.task.coordinates, arm, home)
-        _check_lengths(experiment, joints, axes, path)
+        task.check_lengths(experiment, joints, axes, path)
         n = len(joints)
         dofs = n + len(arm.followers.joint)
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), dofs)
@@ -269,39 +268,6 @@ def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> 
 def _torque_limits(model: mujoco.MjModel, actuator_id: np.ndarray) -> np.ndarray:
     limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
     return np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
-
-
-def _check_lengths(
-    experiment: Experiment, joints: tuple[str, ...], axes: tuple[str, ...], path: Path
-) -> None:
-    """Raise where the task, or a list, is not as long as the arm or the task needs."""
-    if len(axes) > len(joints):
-        raise RobotError(
-            f"{path}: the task has {len(axes)} coordinates ({', '.join(axes)}) and the arm "
-            f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
-            "joints"
-        )
-    law, bounds = experiment.law, experiment.springs
-    position = tuple(axis for axis in axes if axis in "xyz")
-    lists = [
-        ("law.k_v", law.k_v, "coordinate", axes),
-        ("law.k_p", law.k_p, "coordinate", axes),
-        ("law.gamma_k", law.gamma_k, "joint", joints),
-        ("law.gamma_qe", law.gamma_qe, "joint", joints),
-        ("law.q_c", law.q_c, "joint", joints),
-        ("law.q_s", law.q_s, "joint", joints),
-        ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
-        ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),
-    ]
-    for index, motion in enumerate(experiment.motion):
-        lists.append((f"motion.{index}.offset", motion.offset, "coordinate", axes))
-        lists.append((f"motion.{index}.center", motion.center, "coordinate", position))
-    for key, value, each, names in lists:
-        if isinstance(value, tuple) and len(value) != len(names):
-            raise ExperimentError(
-                f"experiment {experiment.name!r}: {key} = {list(value)} has {len(value)} numbers; "
-                f"{len(names)} are needed, one per {each} of {path.name}: {', '.join(names)}"
-            )
 
 
 def _at_home(

@@ -1,10 +1,12 @@
 """The task's coordinates: the positions that an arm controls, and the joints that have no part."""
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 
-from ..errors import RobotError
+from ..errors import ExperimentError, RobotError
+from ..experiments.experiment import Experiment
 from ..text import listed, shown
 from .mjcf import Arm
 
@@ -74,3 +76,36 @@ def _idle(arm: Arm, home: np.ndarray, coordinate: list[int]) -> list[str]:
     rows = np.array([arm.jacobian(q)[coordinate] for q in poses])
     size = np.abs(rows).max(axis=(0, 1))
     return [joint for joint, of in zip(arm.joints, size, strict=True) if of <= IDLE * size.max()]
+
+
+def check_lengths(
+    experiment: Experiment, joints: tuple[str, ...], axes: tuple[str, ...], path: Path
+) -> None:
+    """Raise where the task, or a list, is not as long as the arm or the task needs."""
+    if len(axes) > len(joints):
+        raise RobotError(
+            f"{path}: the task has {len(axes)} coordinates ({', '.join(axes)}) and the arm "
+            f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
+            "joints"
+        )
+    law, bounds = experiment.law, experiment.springs
+    position = tuple(axis for axis in axes if axis in "xyz")
+    lists = [
+        ("law.k_v", law.k_v, "coordinate", axes),
+        ("law.k_p", law.k_p, "coordinate", axes),
+        ("law.gamma_k", law.gamma_k, "joint", joints),
+        ("law.gamma_qe", law.gamma_qe, "joint", joints),
+        ("law.q_c", law.q_c, "joint", joints),
+        ("law.q_s", law.q_s, "joint", joints),
+        ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
+        ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),
+    ]
+    for index, motion in enumerate(experiment.motion):
+        lists.append((f"motion.{index}.offset", motion.offset, "coordinate", axes))
+        lists.append((f"motion.{index}.center", motion.center, "coordinate", position))
+    for key, value, each, names in lists:
+        if isinstance(value, tuple) and len(value) != len(names):
+            raise ExperimentError(
+                f"experiment {experiment.name!r}: {key} = {list(value)} has {len(value)} numbers; "
+                f"{len(names)} are needed, one per {each} of {path.name}: {', '.join(names)}"
+            )

@@ -135,7 +135,7 @@ class Member:
         """Replace the learned torque of a cycle by that of the next; short passages teach none."""
         memory, index, plan = self._memory, self._index, self.plan
         learned = signals["u"]
-        if not self._passing or plan.learns_on_the_way(cycle):
+        if not self._passing or plan.experiment.motion[plan.schedule[cycle]].gradual:
             done = learning.Cycle(
                 u=learned,
                 y=signals["y"],
