@@ -49,8 +49,7 @@ class Kinematics:
         self._orientation = self._data.site_xmat[robot.site].reshape(3, 3)
         self._positions = _span(robot.coordinate[: len(robot.position_axes)])
         self._full = np.zeros((6, self._model.nv))
-        self._linear = self._full[:3]
-        self._angular = self._full[3:] if robot.rotates else None
+        self._linear, self._angular = self._full[:3], self._full[3:] if robot.rotates else None
         self._square, self._solution = np.empty((robot.m, robot.m)), np.empty(robot.m)
         self._diagonal = self._square.ravel()[:: robot.m + 1]
         self._of_task = np.ix_(robot.coordinate, robot.dof_address)
@@ -61,8 +60,7 @@ class Kinematics:
         Rotation is a rotation vector from the orientation at home, in the world frame.
         """
         self._place(q)
-        robot = self.robot
-        x = np.empty(robot.m)
+        robot, x = self.robot, np.empty(self.robot.m)
         x[: len(robot.position_axes)] = self._at[self._positions]
         if robot.rotates:
             rotations.rotation_vector(self._orientation, robot.orientation, x[-3:])
@@ -263,8 +261,8 @@ class Kinematics:
         data.qvel[self.robot.dof_address] = dq
         self._followers.move(data.qvel)
         mujoco.mj_comVel(model, data)
-        body = model.site_bodyid[self.robot.site]
-        mujoco.mj_jacDot(model, data, self._linear, self._angular, self._at, body)
+        at = self._at, model.site_bodyid[self.robot.site]
+        mujoco.mj_jacDot(model, data, self._linear, self._angular, *at)
         return self._followers.borne(self._full)[self._of_task]
 
     def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
