@@ -89,7 +89,7 @@ def suggestion(found: Inspection) -> Table:
         ("  smallest / largest singular value of J", f"{least:.3f} to {most:.3f}"),
         ("  torque reduction with the best springs [%]", number(100 * found.torque_reduction, 1)),
         ("feedback bandwidth omega [1/s]", f"{gains.omega:g}"),
-        ("share eta that is learned in a cycle", f"{law.eta:g}"),
+        ("share eta that is learned in a cycle", f"{law.learned_share:g}"),
         ("lead [control periods]", str(gains.lead)),
         ("harmonics of 1/T that are learned", str(gains.harmonics or "all")),
     ):

@@ -180,6 +180,7 @@ def _written_out(plan: Plan) -> Experiment:
     }
     if law.k_v is None and law.k_p is None:
         changes["law.omega"] = gains.omega
+        changes["law.eta"] = plan.experiment.law.learned_share
     return plan.experiment.replace(changes)
 
 

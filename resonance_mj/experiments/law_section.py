@@ -52,8 +52,9 @@ class Law(Section):
     """Weight of the posture's error in the null space [1/s]; as alpha if not given."""
     beta: Gain | None = None
     """Learning gain of (9) [N m s/rad]; if not given, eta times the feedback's own torque."""
-    eta: Gain = 0.8
-    """Share of the feedback's torque that is learned in a cycle, where beta is not given."""
+    eta: Gain | None = None
+    """Share of the feedback's torque that is learned in a cycle, where beta is not given; 0.5 for
+    the law as printed and 0.8 else if not given."""
     gamma_k: Gains = 0.0
     """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each; for the
     printed laws 200 times the joints' inertia at home if neither gain is given."""
@@ -87,6 +88,11 @@ class Law(Section):
     def printed(self) -> bool:
         """Whether the law is one of the authors', with (9), (10) and without lead if not given."""
         return self.kind in ("paper", "joint-space")
+
+    @property
+    def learned_share(self) -> float:
+        """`eta`, or what it is if not given."""
+        return self.eta if self.eta is not None else 0.5 if self.printed else 0.8
 
     @property
     def follows_joints(self) -> bool:

@@ -11,8 +11,11 @@ from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
 from ..springs.bounds import JointBounds, per_joint
 
-BANDWIDTH = 100.0
-"""Feedback bandwidth ω [1/s] at time steps that allow it."""
+BANDWIDTH, FASTEST = 100.0, 0.3
+"""Feedback bandwidth ω [1/s], and the most that it is of 1/dt."""
+
+PRINTED = 60.0, 0.1
+"""Likewise of the laws as printed, which diverge the sooner the more they learn."""
 
 POSITION = 10.0
 """Least weight α of the position error [1/s]."""
@@ -86,7 +89,8 @@ def gains(
     by_hand = law.k_v is not None or law.k_p is not None
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     own = gravity_rate(kinematics)
-    omega = min(max(BANDWIDTH, 3 * own), 0.3 / dt) if law.omega is None else law.omega
+    usual, fastest = PRINTED if law.printed else (BANDWIDTH, FASTEST)
+    omega = min(max(usual, 3 * own), fastest / dt) if law.omega is None else law.omega
     rate = min(max(POSITION, own), 0.1 / dt)
     alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
@@ -96,7 +100,7 @@ def gains(
     if law.follows_joints:
         feedback, feedback_p = _in_joint_space(law, robot, k_v, k_p, inertial, alpha)
         k_v = k_p = np.zeros(m)
-    learning = law.eta * inertial if law.beta is None else law.beta * np.eye(n)
+    learning = law.learned_share * inertial if law.beta is None else law.beta * np.eye(n)
     steps = min(motion.steps(dt) for motion in experiment.motion)
     harmonics = law.harmonics
     if harmonics is None and not law.printed:

@@ -180,7 +180,7 @@ def _diverging(
 ) -> str:
     """That learning a motion will diverge, how and when, and what would not."""
     law, grows = experiment.law, why.onset
-    key, value = ("law.eta", law.eta) if law.beta is None else ("law.beta", law.beta)
+    key, value = ("law.eta", law.learned_share) if law.beta is None else ("law.beta", law.beta)
     cures = []
     if why.lead_margin >= 1:
         cures.append(f"law.lead = {why.lead}")

@@ -108,7 +108,7 @@ def ending(
 def calmer(plan: Plan) -> str:
     """What to try where learning diverges."""
     law = plan.experiment.law
-    key, now = ("eta", law.eta) if law.beta is None else ("beta", law.beta)
+    key, now = ("eta", law.learned_share) if law.beta is None else ("beta", law.beta)
     lead = "law.lead = 1, " if plan.gains.lead == 0 else ""
     timestep = plan.experiment.simulation.timestep
     return (
