@@ -168,7 +168,7 @@ def test_every_key_is_described_with_its_meaning():
         ({"motion.0.sin": [[0.05]]}, ["motion.0", "sin has 1 rows"]),
         ({"motion.5.period": 1.0}, ["motion.5.period", "0 to 1"]),
         ({"task.coordinates": ["x", "x"]}, ["task.coordinates", "once"]),
-        ({"springs.stiffness": [3, 1]}, ["springs.stiffness = [3, 1]", "lower < upper"]),
+        ({"springs.stiffness": [3, 1]}, ["springs.stiffness = [3, 1]", "lower <= upper"]),
         ({"springs.equilibrium": [-1, 1]}, ["equilibrium = [-1.0, 1.0]", "not convex"]),
         ({"name": "../up"}, ["name = '../up'"]),
         ({"name": "a" * 300}, ["name = 'aaa", "at most 100"]),

