@@ -14,5 +14,7 @@ class Status(StrEnum):
     """The tool still follows its path, with an error that has grown from cycle to cycle."""
     IN_CONTACT = "in contact"
     """The tool follows its path, and the arm touches something on its way, or a joint its stop."""
+    INTERRUPTED = "interrupted"
+    """It was asked to stop before all cycles were simulated; what there is was kept."""
     DIVERGED = "diverged"
     """The arm left all bounds: try `law.lead = 1`, a smaller `law.beta` or a shorter time step."""

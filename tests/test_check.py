@@ -462,7 +462,7 @@ def test_without_names_the_files_here_and_in_runs_are_meant_or_else_the_built_in
             'status = "good"',
             [
                 "expect.status = 'good'",
-                "'ok', 'not tracking', 'diverging', 'in contact' or 'diverged'",
+                "'ok', 'not tracking', 'diverging', 'in contact', 'interrupted' or 'diverged'",
             ],
         ),
         ("versions = { mujoco = 4 }", ["expect.versions", "4"]),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 import textwrap
+import threading
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -112,6 +114,35 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     return value if isinstance(value, str | int | float | None) else str(value)
+
+
+@contextmanager
+def stopping() -> Iterator[list[int]]:
+    """Signals that ask the process to end, in a list in which they are put as they come.
+
+    The first is left to what is running, to end where it can; the second ends it at once.
+    """
+    came: list[int] = []
+
+    def asked(number: int, _: object) -> None:
+        came.append(number)
+        if len(came) > 1:
+            raise KeyboardInterrupt(number)
+        complain(f"{signal.Signals(number).name}: ends after this cycle; once more ends at once")
+
+    names = [signal.SIGINT, signal.SIGTERM]
+    if threading.current_thread() is not threading.main_thread():
+        names = []
+    before = {
+        number: signal.signal(number, asked)
+        for number in names
+        if signal.getsignal(number) is not signal.SIG_IGN
+    }
+    try:
+        yield came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def complain(line: str) -> None:

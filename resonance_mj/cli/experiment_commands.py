@@ -13,7 +13,18 @@ from ..errors import ExperimentError
 from ..files import could_be_written
 from ..pictures.figures.catalogue import DRAFT
 from . import keys_as_options, run_commands
-from .command import DONE, NOT_WELL, Screen, argument, bar, command, complain, flag
+from .command import (
+    DONE,
+    ENDED_BY_SIGNAL,
+    NOT_WELL,
+    Screen,
+    argument,
+    bar,
+    command,
+    complain,
+    flag,
+    stopping,
+)
 from .keys_as_options import EXPERIMENT, ROBOT
 
 if TYPE_CHECKING:
@@ -42,7 +53,10 @@ def run(options: Namespace) -> int:
     folder = could_be_written(options.out or Path("runs") / experiment.name)
     screen = Screen(options)
     name, total = experiment.name, sum(motion.cycles for motion in experiment.motion)
-    with bar(f"{name}: preparing the law", "cycles", screen.console, total, then=name) as show:
+    with (
+        stopping() as came,
+        bar(f"{name}: preparing the law", "cycles", screen.console, total, then=name) as show,
+    ):
         run = rmj.simulate(
             experiment,
             interpret=options.interpret,
@@ -50,6 +64,7 @@ def run(options: Namespace) -> int:
             after=options.after and rmj.Run.load(options.after),
             progress=show,
             note=screen.note,
+            stop=lambda: bool(came),
         )
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
@@ -73,7 +88,7 @@ def run(options: Namespace) -> int:
     if run.status is rmj.Status.OK:
         return DONE
     complain(f"{name}: {run.status}: {run.message}")
-    return NOT_WELL
+    return ENDED_BY_SIGNAL + came[0] if run.status is rmj.Status.INTERRUPTED else NOT_WELL
 
 
 @command(EXPERIMENT, ROBOT, keys=True, figures=True)

@@ -95,6 +95,13 @@ class Member:
         elif cycle + 1 < len(self.plan.schedule):
             self._learn(cycle, signals, springs)
 
+    def interrupt(self, cycle: int) -> None:
+        """End after a cycle of the run, if others were to follow."""
+        total = len(self.plan.schedule)
+        if self.status is Status.OK and cycle + 1 < total:
+            self.status = Status.INTERRUPTED
+            self._message = f"asked to stop, after cycle {cycle + 1} of {total}"
+
     def run(self, wall_s: float) -> Run:
         """The run so far.
 

@@ -29,6 +29,7 @@ def simulate(
     after: Run | None = None,
     progress: Progress | None = None,
     note: Callable[[str], None] | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Run:
     """Simulate one experiment.
 
@@ -43,6 +44,7 @@ def simulate(
         progress: called after each cycle with the cycles done and the cycles in all.
         note: called before the first step with each thing that was found, changed or is doubtful,
             and after the last with what the run showed; they stand in `Run.notes` too.
+        stop: asked after each cycle whether to end there, with status INTERRUPTED.
 
     Returns:
         The run. One that diverges stops there, with status DIVERGED and what was recorded; one
@@ -64,7 +66,9 @@ def simulate(
     note = note or (lambda line: None)
     for line in plan.notes:
         note(line)
-    run = simulate_plans([plan], Alone, interpret=interpret, start=start, progress=progress)[0]
+    (run,) = simulate_plans(
+        [plan], Alone, interpret=interpret, start=start, progress=progress, stop=stop
+    )
     for line in run.notes[len(plan.notes) :]:
         note(line)
     return run
@@ -137,6 +141,7 @@ def simulate_plans(
     interpret: bool = False,
     start: Start | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> list[Run]:
     """Simulate plans that fit together, cycle by cycle.
 
@@ -146,6 +151,7 @@ def simulate_plans(
         interpret: run the law as plain Python.
         start: what all of them go on from; rest at home if not given.
         progress: called after each cycle with the cycles done and the cycles in all.
+        stop: asked after each cycle whether to end there.
 
     Returns:
         The runs, in the order of the plans.
@@ -178,4 +184,8 @@ def simulate_plans(
                 members[i].end_cycle(cycle)
             if progress:
                 progress(cycle + 1, len(first.schedule))
+            if stop is not None and stop():
+                for i in going:
+                    members[i].interrupt(cycle)
+                break
     return [member.run(wall) for member in members]

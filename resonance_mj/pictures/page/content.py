@@ -27,6 +27,7 @@ Figures = list[tuple[Entry, Markup]]
 ENDED = {
     Status.DIVERGED: "The run diverged",
     Status.NOT_TRACKING: "The run was not tracking",
+    Status.INTERRUPTED: "The run was interrupted",
     Status.DIVERGING: "The run was diverging",
     Status.IN_CONTACT: "The arm was in contact",
 }
