@@ -109,7 +109,9 @@ def arms(count: int, eta: float, cycles: int) -> list[Case]:
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for _, experiment in random_arms(count, 0, Path(folder)):
-            given = experiment.replace({"law.eta": eta, "law.lead": 0, "law.harmonics": 500})
+            given = experiment.replace(
+                {"law.omega": 60.0, "law.eta": eta, "law.lead": 0, "law.harmonics": 500}
+            )
             why = predicted(given)
             motion = {"motion.0.duration": float(enough(why, cycles)), "simulation.samples": 1}
             found.append(Case(0, 0.0, 0, None, why, given.replace(motion)))
