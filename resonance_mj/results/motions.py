@@ -92,12 +92,15 @@ class MotionOfRun:
 
     @property
     def cycles_to_optimum(self) -> int | None:
-        """First cycle of the motion, from 1, from which it tracks with the optimum's torque²."""
+        """First cycle of the motion, from 1, from which it tracks with the optimum's torque².
+
+        A cycle of the passage into it is none, as it is not yet the motion.
+        """
         return cycles_to_optimum(
             self.torque_squared,
             self.torque_squared_optimal,
             self.torque_squared_without_springs,
-            self.tracks,
+            self.tracks & (self.passage == 0),
         )
 
     @property

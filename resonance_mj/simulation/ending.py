@@ -143,6 +143,8 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
     cures = list(dict.fromkeys(one.cure for one in held))
     if not cures and law.kind == "feedback":
         cures = ['law.kind = "transfer", which learns']
+    elif not cures and growth:
+        cures = [calmer(plan)]
     elif not cures and (falls or len(errors) < 3):
         cures = [f"more cycles, a longer motion.{index}.duration: the error still falls"]
     elif not cures:
