@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ...errors import PictureError
 from ...text import listed, shown
-from ..palette import SERIES
+from ..palette import DESIRED, SERIES
 from .style import styled
 
 LABELS = {
@@ -112,7 +112,7 @@ def _over(ax: Axes, values: xr.DataArray, status: xr.DataArray, key: str, *, joi
     ax.plot(place, y, "o-" if joined else "o", markersize=3, color=SERIES[0])
     bad = (status != "ok").values.ravel()
     across = ax.get_xaxis_transform()
-    ax.plot(place[bad], np.full(bad.sum(), 0.03), "x", color=SERIES[1], transform=across)
+    ax.plot(place[bad], np.full(bad.sum(), 0.03), "x", color=DESIRED, transform=across)
     ratios = np.diff(np.log(np.unique(place))) if number and (place > 0).all() else np.zeros(0)
     if len(ratios) > 1 and np.ptp(ratios) < 0.5 * ratios.mean():
         ax.set_xscale("log")
