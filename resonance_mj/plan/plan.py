@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -31,8 +31,8 @@ from .passages import passages
 
 T = TypeVar("T")
 
-Followed = dict[tuple[object, ...], list[JointMotion]]
-"""Joint motions by all that they depend on."""
+Followed = dict[tuple[object, ...], object]
+"""Joint motions, and the torque that they need, by all that they depend on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,28 +68,19 @@ class Plan:
         Raises:
             MotionError: a motion leaves the arm's reach or passes through a singular pose.
         """
-        experiment = self.experiment
-        # Not how often, by which law or with which load.
-        one_cycle = tuple(
-            motion.model_copy(update={"duration": motion.period, "blend": 0, "payload": 0.0})
-            for motion in experiment.motion
-        )
-        how = experiment.robot, experiment.task, experiment.simulation.timestep
-        depends_on = (*how, self.gains.alpha_0, one_cycle)
-        if depends_on not in self._followed:
-            self._followed[depends_on] = self._heard(self._follow)
-        return self._followed[depends_on]
+        return self._shared("joints", self._follow)
 
     @cached_property
     def optima(self) -> list[Optimum]:
         """The best constant springs of each motion, by inverse dynamics; no law uses them."""
-        law, bounds, found = self.experiment.law, self.gains.bounds, []
-        for index, (joints, loaded) in enumerate(zip(self.joints, self.loaded, strict=True)):
-            torque = self._heard(partial(loaded.torque, joints))
+        experiment, bounds, found = self.experiment, self.gains.bounds, []
+        each = zip(experiment.motion, self.joints, self.loaded, strict=True)
+        for index, (motion, joints, loaded) in enumerate(each):
+            load = index, motion.payload, experiment.simulation.gravity
+            torque = self._shared(load, partial(loaded.torque, joints))
             # Springs of other laws than the printed ones are centred on the motion's own mean.
-            center = self.q_c if law.printed else joints.q.mean(axis=0)
-            period = self.experiment.motion[index].period
-            best = best_springs(joints.q, torque, center=center, period=period, bounds=bounds)
+            center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
+            best = best_springs(q, torque, center=center, period=motion.period, bounds=bounds)
             found.append(best)
         return found
 
@@ -157,9 +148,8 @@ class Plan:
         left = self.experiment.motion[segment - 1] if segment else self.left and self.left.motion
         if left is None:
             still = np.zeros_like(samples.x)
-            before = motions.Samples(
-                still + self.kinematics.position(self.robot.home), still, still
-            )
+            home = still + self.kinematics.position(self.robot.home)
+            before = motions.Samples(home, still, still)
         else:
             # The motion that is left goes on by the clock while the new one takes over.
             length = left.steps(self.experiment.simulation.timestep)
@@ -170,8 +160,8 @@ class Plan:
 
     def joint_motion(self, cycle: int) -> JointMotion:
         """Joint motion that makes the desired motion of a cycle of the run."""
-        passage = self.blending(cycle) is not None
-        return self.passages[cycle] if passage else self.joints[self.schedule[cycle]]
+        passed = self.blending(cycle) is None
+        return self.joints[self.schedule[cycle]] if passed else self.passages[cycle]
 
     @cached_property
     def passages(self) -> dict[int, JointMotion]:
@@ -197,6 +187,19 @@ class Plan:
             more = f" (and {rest} more)" if (rest := len(self.unstable) - 1) else ""
             raise StabilityError(f"experiment {self.experiment.name!r}: {self.unstable[0]}{more}")
 
+    def _shared(self, what: object, work: Callable[[], T]) -> T:
+        """What some work on joint motions finds, once for all experiments that have the same."""
+        experiment, alike = self.experiment, {"blend": 0, "payload": 0.0}
+        # Not how often, by which law or with which load.
+        cycles = [
+            one.model_copy(update={"duration": one.period} | alike) for one in experiment.motion
+        ]
+        how = experiment.robot, experiment.task, experiment.simulation.timestep
+        key = (what, *how, self.gains.alpha_0, *cycles)
+        if key not in self._followed:
+            self._followed[key] = self._heard(work)
+        return cast("T", self._followed[key])
+
     def _heard(self, work: Callable[[], T]) -> T:
         """The result of some work, with what MuJoCo warns of meanwhile kept for the notes."""
         with heard() as warned:
@@ -205,11 +208,8 @@ class Plan:
         return result
 
     def _look(self) -> tuple[str, ...]:
-        given = without_effect(
-            self.experiment,
-            square=self.robot.m == self.robot.n,
-            limited=bool(self.robot.limited.any()),
-        )
+        square, limited = self.robot.m == self.robot.n, bool(self.robot.limited.any())
+        given = without_effect(self.experiment, square=square, limited=limited)
         before = notes.before(self.loaded, self.joints, self.optima)
         held = notes.held(self.robot, self.holding if self.left is None else None)
         lost = notes.lost(self.loaded, self.joints, self.optima)

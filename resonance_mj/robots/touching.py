@@ -105,7 +105,8 @@ def contacts(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[int, int,
     mujoco.mj_flex(model, data)
     mujoco.mj_collision(model, data)
     found = []
-    for contact in data.contact:
+    # To ask for data.contact takes thirty times longer than to find that there is none.
+    for contact in data.contact if data.ncon else ():
         if not contact.exclude:
             first, second = sorted(map(int, contact.geom), key=lambda geom: model.geom_bodyid[geom])
             found.append((first, second, max(0.0, -float(contact.dist))))
