@@ -152,9 +152,11 @@ def test_a_sweep_that_is_killed_goes_on_and_ends_with_the_same_bits(tmp_path):
 def test_a_folder_is_of_one_sweep_and_a_finished_one_is_not_simulated_again(tmp_path):
     path = written(tmp_path, "[keys]\nlaw.beta = [5.0]\n")
     first = rmj.sweep(path, folder=tmp_path / "out")
+    (tmp_path / "out" / "shards" / ".of-a-killed-one").mkdir(parents=True)
     asked = []
     again = rmj.sweep(path, folder=tmp_path / "out", progress=lambda *done: asked.append(done))
     assert asked == []
+    assert not (tmp_path / "out" / "shards").exists()
     xr.testing.assert_identical(first, again)
     written(tmp_path, "[keys]\nlaw.beta = [6.0]\n")
     with pytest.raises(rmj.ResonanceError, match="holds another sweep"):
@@ -176,6 +178,9 @@ def test_a_folder_is_of_one_sweep_and_a_finished_one_is_not_simulated_again(tmp_
         ("[keys]\nlaw.beta = { from = 3, to = 2, count = 4 }\n", ["from 3 to 2"]),
         ("[keys]\nlaw.beta = { from = 0, to = 2, count = 4, scale = 'log' }\n", ["above 0"]),
         ("[keys]\nlaw.beta = { from = 1, to = 2 }\n", ["needs a count"]),
+        ("[keys]\nlaw.beta = { from = 1, count = 2 }\n", ["keys.law.beta.to", "missing"]),
+        (f"[keys]\nlaw.beta = {'[' * 5000}{']' * 5000}\n", ["nested too deeply"]),
+        (f"[keys]\n{'.'.join(['a'] * 3000)} = [1]\n", ["nested too deeply"]),
         ("how = 'zip'\n[keys]\nlaw.beta = [1]\nlaw.lead = [1, 2]\n", ["law.lead has 2"]),
         ("how = 'sample'\n[keys]\nlaw.beta = {from = 1, to = 2}\n", ["needs count"]),
         ("how = 'grd'\n[keys]\nlaw.beta = [1]\n", ["how", "grid"]),

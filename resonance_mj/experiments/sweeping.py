@@ -12,11 +12,11 @@ from pydantic import ConfigDict, Field, model_validator
 from .. import library
 from ..errors import ExperimentError
 from ..files import read_text
-from ..text import listed, shown
+from ..text import listed
 from .experiment import Experiment
 from .loading import load
 from .sections import Finite, Name, Section
-from .validation import plain, validated
+from .validation import NESTED, plain, validated
 
 MOST_POINTS = 1_000_000
 """Experiments of a sweep that nobody has confirmed."""
@@ -168,6 +168,8 @@ def load_sweep(name: str) -> Sweep:
         values = tomllib.loads(read_text(path, needed=needed))
     except ValueError as error:
         raise ExperimentError(f"{path}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise ExperimentError(f"{path}: {NESTED}") from None
     beside = path.parent / str(values.get("experiment", ""))
     if beside.is_file():
         values["experiment"] = str(beside.resolve())
@@ -180,14 +182,13 @@ def sweep_of(values: dict[str, Any], source: str) -> Sweep:
     Raises:
         ExperimentError: a value is not valid; the message names `source`.
     """
-    tables = {name: values.get(name) for name in ("keys", "fixed")}
-    for name, table in tables.items():
-        if isinstance(table, dict):
-            values = values | {name: _dotted(plain(table))}
     try:
-        return validated(Sweep, values, source)
+        for name in ("keys", "fixed"):
+            if isinstance(table := values.get(name), dict):
+                values = values | {name: _dotted(plain(table))}
     except RecursionError:
-        raise ExperimentError(f"{source}: {shown('keys')}: nested too deeply") from None
+        raise ExperimentError(f"{source}: {NESTED}") from None
+    return validated(Sweep, values, source)
 
 
 def _dotted(table: dict[str, Any], before: str = "") -> dict[str, Any]:

@@ -18,6 +18,9 @@ _OF_ITS_TYPE = ("finite_number", "greater_than", "greater_than_equal", "less_tha
 NESTED = "nested too deeply; `resonance-mj keys` lists every key"
 """What is wrong with brackets in brackets."""
 
+NAMED = ("joint", "keys", "fixed")
+"""Tables whose keys the arm or the user names."""
+
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -59,7 +62,7 @@ def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> st
     key = ".".join(
         word
         for before, word in zip(["", *words], words, strict=False)
-        if word.isdigit() or word in names or before == "joint"  # which are named by the arm
+        if word.isdigit() or word in names or before in NAMED
     )
     if first["type"] == "extra_forbidden":
         key = ".".join(map(cut, words))
@@ -82,7 +85,9 @@ def _one_line(model: type[BaseModel], error: ValidationError, source: str) -> st
 def _names(model: type[BaseModel]) -> set[str]:
     """Every key of a section and of those inside it."""
     inside = [_inside(field.annotation) for field in model.model_fields.values()]
-    return set(model.model_fields).union(*(_names(one) for one in inside if one is not None))
+    aliases = {field.alias for field in model.model_fields.values() if field.alias}
+    found = (_names(one) for one in inside if one is not None)
+    return (set(model.model_fields) | aliases).union(*found)
 
 
 def _section(model: type[BaseModel], path: list[str]) -> list[str]:

@@ -5,6 +5,7 @@ import hashlib
 import io
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -102,6 +103,7 @@ def _swept(
     if folder is not None:
         _claim(folder, settings, experiments)
         if (found := _finished(folder, whole)) is not None:
+            shutil.rmtree(folder / "shards", ignore_errors=True)
             return found
     outcomes: list[Outcome] = []
     for name, shard in zip(names, shards, strict=True):
@@ -120,9 +122,7 @@ def _swept(
             folder,
             {WHOLE: bytes(found.to_netcdf(engine="h5netcdf")), TABLE: _table(settings, outcomes)},
         )
-        for old in (folder / "shards").iterdir():
-            old.unlink()
-        (folder / "shards").rmdir()
+        shutil.rmtree(folder / "shards", ignore_errors=True)
     return found
 
 
