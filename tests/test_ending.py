@@ -11,6 +11,7 @@ import resonance_mj as rmj
 from resonance_mj.errors import MotionError
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.motions.kinematics import JointMotion
+from resonance_mj.simulation.ending import _faster
 from resonance_mj.status import Status
 
 ARM = """<mujoco><compiler angle="{angle}"/>
@@ -111,6 +112,19 @@ def test_a_light_touch_that_leaves_the_path_as_it_is_has_a_status_of_its_own(tmp
     assert run.motions[0].tracks[-1]
     assert run.status is Status.IN_CONTACT
     assert re.search(r"ground touches link\d", run.message)
+
+
+def test_torque_that_grows_from_nothing_is_no_division_by_it():
+    still = {"shape": "fourier", "sin": [], "cos": [], "duration": 4.0, "blend": 0}
+    rest = [still | {"offset": [-0.3, 0.0]}]
+    experiment = rmj.load("two-link-transfer").replace(
+        {"motion": rest, "simulation.gravity": [0.0, 0.0, 0.0], "law.beta": 0.0}
+    )
+    assert rmj.simulate(experiment).status in (Status.OK, Status.NOT_TRACKING)
+    assert not _faster(np.zeros(12))
+    assert not _faster(np.array([0.0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9]))
+    assert _faster(np.r_[0.0, 0.001 * 1.1 ** np.arange(9) ** 1.1])
+    assert not _faster(0.001 * (1 - 0.5 ** np.arange(1, 13)))
 
 
 def test_a_run_that_still_tracks_while_its_torque_grows_is_diverging_and_ends_so():

@@ -183,10 +183,11 @@ def _faster(values: np.ndarray) -> bool:
 
     What diverges grows by a factor; springs of the law as printed, which drift, by less and less.
     """
-    rises = values[1:] / values[:-1]
-    last, before = rises[-RISING:], rises[-2 * RISING : -RISING]
-    rise = max(before.prod(), LEAST_RISE)
-    return len(before) == RISING and bool((last > 1).all() and last.prod() >= rise)
+    if len(values) <= 2 * RISING:
+        return False
+    first, middle, last = values[[-1 - 2 * RISING, -1 - RISING, -1]].tolist()
+    rises = bool((np.diff(values[-1 - RISING :]) > 0).all())
+    return rises and last >= LEAST_RISE * middle and last * first >= middle * middle
 
 
 def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:

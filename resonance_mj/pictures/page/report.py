@@ -76,15 +76,7 @@ def report(
     progress = progress or (lambda done, of: None)
     film, said = None, ""
     if video:
-        try:
-            film = films.plan(runs, names)
-            frames = len(film.times)
-            film = films.shoot(film, lambda done, of: progress(done, of + figures))
-            if len(film.runs) < len(runs):
-                left_out = ", ".join(names[len(film.runs) :])
-                said = f"The video shows the first {len(film.runs)} runs, not {left_out}."
-        except (PictureError, RobotError) as error:
-            film, said = None, f"No video: {error}"
+        film, said, frames = _filmed(runs, names, lambda done, of: progress(done, of + figures))
     done = count(frames + 1)
 
     def drawn(entries: Sequence[Entry], some: Sequence[Run], anchor: str) -> Figures:
@@ -115,3 +107,19 @@ def report(
     with replacing(path) as beside:
         beside.write_text(shown, encoding="utf-8")
     return path
+
+
+def _filmed(
+    runs: Sequence[Run], names: Sequence[str], progress: Progress
+) -> tuple[films.Film | None, str, int]:
+    """The film of runs, or None; what is said of it; and the frames that were planned."""
+    frames = 0
+    try:
+        film = films.plan(runs, names)
+        frames = len(film.times)
+        film = films.shoot(film, progress)
+    except (PictureError, RobotError) as error:
+        return None, f"No video: {error}", frames
+    left_out = ", ".join(names[len(film.runs) :])
+    said = f"The video shows the first {len(film.runs)} runs, not {left_out}."
+    return film, said * bool(left_out), frames
