@@ -3,13 +3,14 @@
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from ...errors import PictureError
 from ...text import listed, shown
 from ..palette import DESIRED, SERIES
-from .style import styled
+from .style import HEADING, styled
 
 LABELS = {
     "torque_share": "share of the possible reduction",
@@ -41,12 +42,17 @@ def figure(data: xr.Dataset, metric: str, width: float) -> Figure:
     panels = 1 if grid and len(keys) < 3 else len(keys)
     motions = data.sizes["motion"]
     drawn = Figure(figsize=(width, 0.5 + 2.3 * panels), layout="constrained")
-    drawn.suptitle(f"{data.attrs['title'].removeprefix('resonance-mj ')}", x=0.01, ha="left")
+    heading = data.attrs["title"].removeprefix("resonance-mj ")
+    if mapped := grid and len(keys) == 2:
+        heading += ": grey where a run is not ok, or never gets there"
+    drawn.suptitle(heading, x=0.01, ha="left", fontsize=HEADING)
     axes = drawn.subplots(panels, motions, squeeze=False, sharey="row")
     for column, motion in enumerate(data["motion"].values):
         of_motion = values.sel(motion=motion)
-        if grid and len(keys) == 2:
-            _map(axes[0, column], of_motion, keys, label(data, metric))
+        if mapped:
+            cells = _map(axes[0, column], of_motion, keys, _norm(values))
+            if column == motions - 1:
+                drawn.colorbar(cells, ax=list(axes[0]), label=label(data, metric))
         else:
             for row, key in enumerate(keys[:panels]):
                 _over(axes[row, column], of_motion, data["status"], key, joined=len(keys) == 1)
@@ -77,18 +83,17 @@ def _values(data: xr.Dataset, metric: str) -> xr.DataArray:
     return found.where(data["status"] == "ok")
 
 
-def _map(ax: Axes, values: xr.DataArray, keys: list[str], name: str) -> None:
+def _norm(values: xr.DataArray) -> Normalize:
+    """One scale of colours for the maps of all motions."""
+    known = values.values[np.isfinite(values.values)]
+    low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
+    return LogNorm(low, high) if 0 < 30 * low < high else Normalize(low, high)
+
+
+def _map(ax: Axes, values: xr.DataArray, keys: list[str], norm: Normalize) -> QuadMesh:
     """A map over two keys, the cells numbered along their values."""
-    table = values.transpose(*keys).values.T
-    known = table[np.isfinite(table)]
-    wide = known.size and known.min() > 0 and known.max() > 30 * known.min()
-    cells = ax.pcolormesh(
-        np.ma.masked_invalid(table),
-        cmap="viridis",
-        norm=LogNorm() if wide else None,
-        edgecolors="white",
-        linewidth=0.5,
-    )
+    table = np.ma.masked_invalid(values.transpose(*keys).values.T)
+    cells = ax.pcolormesh(table, cmap="viridis", norm=norm, edgecolors="white", linewidth=0.5)
     ax.set_facecolor(BAD)
     ax.grid(visible=False)
     for axis, key in zip((ax.xaxis, ax.yaxis), keys, strict=True):
@@ -96,8 +101,7 @@ def _map(ax: Axes, values: xr.DataArray, keys: list[str], name: str) -> None:
         step = max(1, -(-len(ticks) // 9))
         axis.set_ticks(np.arange(len(ticks))[::step] + 0.5, [_tick(t) for t in ticks[::step]])
         axis.set_label_text(key)
-    bar = ax.figure.colorbar(cells, ax=ax)
-    bar.set_label(f"{name} (grey: not ok, or never)")
+    return cells
 
 
 def _over(ax: Axes, values: xr.DataArray, status: xr.DataArray, key: str, *, joined: bool) -> None:

@@ -11,6 +11,9 @@ from ...text import minus
 from .sheet import width_of
 from .style import SMALL
 
+LINE = 0.11
+"""Height that a number at an ordinate takes [in]."""
+
 
 def logarithmic(ax: Axes) -> None:
     """A logarithmic ordinate, two ticks at least; an even one if nothing drawn is above zero."""
@@ -20,7 +23,8 @@ def logarithmic(ax: Axes) -> None:
     ax.set_yscale("log")
     low, high = ax.get_ylim()
     near = high / low < 400  # decades alone would leave an axis without numbers
-    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if near else (1.0,), numticks=7))
+    room = max(2, min(7, int(_inches(ax)[1] / LINE)))
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if near else (1.0,), numticks=room))
     ax.yaxis.set_major_formatter(_number)
     ax.yaxis.set_minor_locator(NullLocator())
 
