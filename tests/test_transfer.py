@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import resonance_mj as rmj
-from resonance_mj.experiments.sections import Springs
+from resonance_mj.experiments.springs_section import Springs
 from resonance_mj.laws import learning
 from resonance_mj.springs import spring as springs
 from resonance_mj.springs.fit import LinearSprings, fit

@@ -10,6 +10,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from ..springs.elements import names
 from ..text import NOTHING, number
 
 if TYPE_CHECKING:
@@ -93,6 +94,10 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
             if figure == "stiffness":
                 ends = [(one.stiffness_least[j], one.stiffness_most[j]) for one in motions]
                 alone("  range", [f"{low:.3g}…{high:.3g}" for low, high in ends])
+    for name in motions[0].parameters:
+        alone_of = [(one.parameters[name], one.parameters_optimal[name]) for one in motions]
+        cells = [(number(v[-1]) if len(v) else NOTHING, number(best)) for v, best in alone_of]
+        drawn.add_row(name, *(cell for pair in cells for cell in pair))
     alone("tracking RMS [mm]", [_small(one["tracking_rms"]) for one in found])
     if "rotation_rms" in run.data:
         alone("rotation RMS [mrad]", [_small(one["rotation_rms"]) for one in found])
@@ -134,6 +139,8 @@ def optimum(plan: Plan) -> Table:
         ):
             cells = (number(getattr(one, figure)[j]) for one in best)
             drawn.add_row(f"{figure} {joint} [{unit}]", *cells)
+    for at, name in enumerate(names(plan.robot.elements)):
+        drawn.add_row(name, *(number(one.springs.others.parameters[at]) for one in best))
     drawn.add_row("cost J_min [N² m² s]", *(number(one.cost) for one in best))
     without = (number(one.cost_without_springs) for one in best)
     drawn.add_row("cost without springs [N² m² s]", *without)

@@ -13,7 +13,8 @@ from . import toml
 from .expectations import Expect, Expected
 from .law_section import Law
 from .motion_section import MOST_CYCLES, Motion
-from .sections import JointSpring, Robot, Section, Simulation, Springs, Task
+from .sections import Robot, Section, Simulation, Task
+from .springs_section import Element, JointSpring, Springs
 from .validation import plain, validated
 
 FEWEST_STEPS, MOST_STEPS = 8, 100_000
@@ -151,6 +152,7 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "law": Law,
     "springs": Springs,
     "springs.joint.NAME": JointSpring,
+    "springs.element": Element,
     "expect": Expect,
     "expect.stiffness": Expected,
 }
@@ -164,7 +166,8 @@ def describe() -> list[tuple[str, str, str]]:
         for name, field in model.model_fields.items():
             if section == "" and name in _SECTIONS:
                 continue
-            key = ".".join(filter(None, ("motion.0" if section == "motion" else section, name)))
+            listed = section in ("motion", "springs.element")
+            key = ".".join(filter(None, (f"{section}.0" if listed else section, name)))
             default = "(none)" if field.is_required() else shown(field.default)
             rows.append((key, default, field.description or ""))
     return rows

@@ -15,10 +15,7 @@ from pydantic import (
     ConfigDict,
     Field,
     field_validator,
-    model_validator,
 )
-
-from ..text import shown
 
 
 def _one_alone(given: Any) -> Any:
@@ -165,99 +162,3 @@ class Simulation(Section):
         }
         reason = f" ({reasons[value]})" if value in reasons else ""
         raise ValueError(f"valid integrators are Euler, implicitfast and RK4{reason}")
-
-
-class _Bounds(Section):
-    """What a spring can be."""
-
-    @field_validator("stiffness", "equilibrium", check_fields=False)
-    @classmethod
-    def _interval(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
-        if value is None:
-            return value
-        lower, upper = value
-        if not lower <= upper or lower == math.inf or upper == -math.inf:
-            raise ValueError("[lower, upper] with lower <= upper is needed, inf for no bound")
-        return value
-
-
-class JointSpring(_Bounds):
-    """The spring of one joint, where it is another than all others."""
-
-    kind: Literal["adjustable", "none"] = "adjustable"
-    """adjustable, or none: the joint has no spring."""
-    stiffness: tuple[Bound, Bound] | None = None
-    """Bounds of its stiffness [N m/rad], equal ones for a given stiffness; as of all if not
-    given."""
-    equilibrium: tuple[Bound, Bound] | None = None
-    """Bounds of its equilibrium angle [rad], about what springs.equilibrium_about says; as of all
-    if not given."""
-    rest: Finite | None = None
-    """Its given equilibrium angle [rad], the joint's own: only the stiffness is adjusted."""
-
-    @model_validator(mode="after")
-    def _one_spring(self) -> JointSpring:
-        if self.kind == "none" and (self.stiffness, self.equilibrium, self.rest) != (None,) * 3:
-            raise ValueError('kind = "none" has neither stiffness, equilibrium nor rest')
-        if self.rest is not None and self.equilibrium is not None:
-            raise ValueError("rest is the equilibrium: give it or bounds of the equilibrium")
-        return self
-
-
-class Springs(_Bounds):
-    """What the springs can do, and how they start."""
-
-    stiffness: tuple[Bound, Bound] = (0.0, math.inf)
-    """Bounds of the stiffness [N m/rad]."""
-    equilibrium: tuple[Bound, Bound] = (-math.pi, math.pi)
-    """Bounds of the equilibrium angle q_e [rad], about what equilibrium_about says."""
-    equilibrium_about: Literal["center", "zero"] = "center"
-    """center: the bounds are of q_e - q_c, where q_c is the mean joint angle or law.q_c; zero: of
-    q_e itself, the joint's own angle, as those of a device are."""
-    initial_stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
-    """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
-    initial_equilibrium: Angles = 0.0
-    """q_e(0) [rad], one for all joints or one each; 0 for the nearest to it within the bounds."""
-    joint: dict[Name, JointSpring] = Field(default={})
-    """Springs of single joints by name, as the table [springs.joint.NAME]."""
-
-    @property
-    def about_zero(self) -> bool:
-        """Whether the bounds of the equilibrium are of the joint's own angle."""
-        return self.equilibrium_about == "zero"
-
-    @model_validator(mode="after")
-    def _starts_inside(self) -> Springs:
-        lower, upper = self.stiffness
-        given = self.initial_stiffness
-        every = given if isinstance(given, tuple) else (given,)
-        if any(k and not lower <= k <= upper for k in every):
-            raise ValueError(
-                f"initial_stiffness = {shown(given)} is outside the bounds, stiffness = "
-                f"{shown(self.stiffness)}: give a stiffness inside"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _convex(self) -> Springs:
-        each: dict[str, Any] = {
-            f"joint.{name}.": one for name, one in self.joint.items() if one.kind != "none"
-        }
-        for where, one in ({"": self} | each).items():
-            stiffness = one.stiffness or self.stiffness
-            rest = getattr(one, "rest", None)
-            equilibrium = one.equilibrium or self.equilibrium if rest is None else (rest, rest)
-            if not any(map(math.isfinite, equilibrium)):
-                continue
-            name = f"{where}{'rest' if rest is not None else 'equilibrium'}"
-            value = rest if rest is not None else list(equilibrium)
-            if stiffness[0] < 0:
-                raise ValueError(
-                    f"{name} = {value} needs stiffness >= 0, and the lower bound of stiffness is "
-                    f"{stiffness[0]:g}: with both signs the springs' feasible set is not convex"
-                )
-            if not all(map(math.isfinite, equilibrium)):
-                raise ValueError(
-                    f"{name} = {value}: give two finite bounds, or none as [-inf, inf]"
-                )
-        return self

@@ -15,7 +15,7 @@ from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..experiments.law_section import KINDS
 from ..files import read_text
-from ..springs.fit import LinearSprings
+from ..springs.fit import SPRINGS, LinearSprings
 from ..text import cut, listed, one_line
 from .controller import Command, standard
 from .gains import Gains
@@ -67,14 +67,14 @@ def _learned(
 ) -> Learned:
     """What a file's `learn` returns for copies of a cycle's signals; refused if it is no good."""
     given = {name: getattr(cycle, name).copy() for name in ("u", "y", "q")}
-    given |= {name: part.copy() for name, part in cycle.springs._asdict().items()}
+    given |= {name: getattr(cycle.springs, name).copy() for name in SPRINGS}
     given |= {"parameters": np.array(experiment.law.parameters), "bounds": gains.bounds}
     names = inspect.signature(learn).parameters
     try:
         found = tuple(np.asarray(part, float) for part in learn(**{n: given[n] for n in names}))
     except (Exception, SystemExit) as error:
         raise ExperimentError(f"{file}: learn raised {said(error, file)}") from error
-    wanted = [cycle.u.shape, *(part.shape for part in cycle.springs)]
+    wanted = [cycle.u.shape, *(given[name].shape for name in SPRINGS)]
     shapes = [part.shape for part in found]
     if shapes != wanted or not all(np.isfinite(part).all() for part in found):
         raise ExperimentError(
@@ -83,7 +83,8 @@ def _learned(
             f"stiffness, offset, center of shapes {listed(map(str, wanted))} are needed"
         )
     u, *springs = found
-    return Learned(u, LinearSprings(*springs))
+    k, offset, center = springs
+    return Learned(u, LinearSprings(k, offset, center, cycle.springs.others))
 
 
 def _executed(path: Path, source: str) -> ModuleType:

@@ -123,7 +123,9 @@ def gains(
         lead=law.lead if law.lead is not None else (0 if law.printed else 1),
         harmonics=harmonics,
         torque_limit=robot.torque_limit,
-        bounds=per_joint(experiment.springs, robot.joints, f"experiment {experiment.name!r}"),
+        bounds=per_joint(
+            experiment.springs, robot.joints, robot.elements, f"experiment {experiment.name!r}"
+        ),
     )
 
 

@@ -73,7 +73,8 @@ def filled_in(
     """
     robot = kinematics.robot
     at_home = kinematics.position(robot.home)
-    bounds = per_joint(experiment.springs, robot.joints, f"experiment {experiment.name!r}")
+    source = f"experiment {experiment.name!r}"
+    bounds = per_joint(experiment.springs, robot.joints, robot.elements, source)
     filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"

@@ -23,6 +23,7 @@ SINGULAR = 1e-3
 
 _bits = mujoco.mjtDisableBit
 _BEARS = int(_bits.mjDSBL_CONTACT | _bits.mjDSBL_LIMIT | _bits.mjDSBL_EQUALITY)
+_SPRINGS = int(_bits.mjDSBL_SPRING)
 
 
 class JointMotion(NamedTuple):
@@ -225,9 +226,8 @@ class Kinematics:
     def torque(self, motion: JointMotion) -> np.ndarray:
         """Torque τ_d(0, 0, t) (N, n) [N m] without springs, contacts and joint stops, by (2)."""
         robot, model, data = self.robot, self._model, self._data
-        springs, flags = model.jnt_stiffness[robot.joint_id], model.opt.disableflags
-        model.jnt_stiffness[robot.joint_id] = 0.0
-        model.opt.disableflags |= _BEARS
+        flags = model.opt.disableflags
+        model.opt.disableflags |= _BEARS | _SPRINGS
         try:
             torque = np.empty_like(motion.q)
             for i in range(len(torque)):
@@ -241,7 +241,6 @@ class Kinematics:
                 mujoco.mj_inverse(model, data)
                 torque[i] = self._followers.borne(data.qfrc_inverse)[robot.dof_address]
         finally:
-            model.jnt_stiffness[robot.joint_id] = springs
             model.opt.disableflags = flags
         return torque
 

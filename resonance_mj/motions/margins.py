@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..experiments.sections import Springs
 from ..robots.reach import reach
 from ..robots.robot import Robot
 from ..robots.touching import UNFELT, touching
-from ..springs.bounds import Bounds
+from ..springs.bounds import UNBOUNDED, Bounds
 from ..springs.optimum import best_springs
 from .kinematics import JointMotion, Kinematics
 
@@ -64,7 +63,7 @@ def too_heavy(
         kinematics.torque(joints),
         center=joints.q.mean(axis=0),
         period=period,
-        bounds=bounds or Springs(),
+        bounds=bounds or UNBOUNDED,
     )
     low, high = MOTORS * robot.torque_limit.T
     least, most = best.torque.min(axis=0), best.torque.max(axis=0)

@@ -11,7 +11,9 @@ from ..motions.kinematics import JointMotion, Kinematics
 from ..motions.margins import jerk
 from ..robots.robot import Robot
 from ..robots.touching import PASSING, touching
-from ..springs.fit import LinearSprings
+from ..springs import program
+from ..springs.bounds import Bounds
+from ..springs.fit import LinearSprings, columns
 from ..springs.optimum import Optimum
 from ..text import Caution, joined, percent
 
@@ -48,6 +50,7 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
         said += _beyond_ranges(name, kinematics.robot, joints)
         said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
+        said += _alike(name, kinematics.robot, joints, best.bounds)
     return list(map(Caution, said))
 
 
@@ -68,6 +71,22 @@ def lost(loaded: list[Kinematics], found: list[JointMotion], optima: list[Optimu
                 "torque² without springs, and no spring can carry them"
             )
     return said
+
+
+def _alike(name: str, robot: Robot, joints: JointMotion, bounds: Bounds) -> list[str]:
+    """Springs and elements that cannot be told apart along a motion, a line if there are any."""
+    if not bounds.elements:
+        return []
+    own = [f"the spring of {joint}" for joint in robot.joints]
+    labels = [*own, *own, *(one.name for one in bounds.elements for _ in one.parameters)]
+    least, most = (np.broadcast_to(end, robot.n) for end in bounds.stiffness)
+    given = np.flatnonzero(least == most)
+    same = program.alike(columns(joints.q, bounds), robot.n)
+    which = list(dict.fromkeys(labels[at] for at in same if at not in given))
+    return [
+        f"along {name} {joined(which)} cannot be told apart: what they exert together is adjusted, "
+        "with the least of each"
+    ] * (len(which) > 1)
 
 
 def held(robot: Robot, springs: LinearSprings | None) -> list[str]:

@@ -176,7 +176,8 @@ class Plan:
     def fits_with(self) -> tuple[object, ...]:
         """Equal for experiments that one batch can step together."""
         robot, motion = self.experiment.robot, self.experiment.motion
-        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload
+        elements = self.experiment.springs.element
+        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload, elements
         how = self.experiment.simulation.integrator, self.law.command, self.layout
         cycles = tuple((one.blend, self.steps(i)) for i, one in enumerate(motion))
         return (*arm, self.experiment.task, *how, cycles, tuple(self.schedule))

@@ -38,6 +38,8 @@ class Cycle(NamedTuple):
     """k at the end, before anything is handed over (n,) [N m/rad]."""
     last_offset: np.ndarray
     """q̄_e at the end, likewise (n,) [N m]."""
+    parameters: np.ndarray
+    """Of elastic elements besides (P,)."""
 
 
 SIGNALS = ("q", "x", "x_desired", "y", "u", "tau", "stiffness", "offset", "center")
@@ -49,6 +51,8 @@ def kept(run: Run) -> list[Cycle]:
     signals = {name: data[name].values for name in SIGNALS}
     motion, passage = data["segment_of_cycle"].values - 1, data["passage"].values
     last = {f"last_{name}": data[f"{name}_per_cycle"].values for name in ("stiffness", "offset")}
+    none = np.empty((len(motion), 0))
+    last["parameters"] = data["parameters_per_cycle"].values if "parameter" in data else none
     numbers, first, count = np.unique(
         data["cycle_of_sample"].values, return_index=True, return_counts=True
     )

@@ -39,6 +39,9 @@ class MotionOfRun:
         stiffness_least: the least with which torque² is at most 1 % of that without springs above
             the optimum's, whatever the other joints' springs (n,) [N m/rad].
         stiffness_most: the greatest likewise (n,) [N m/rad].
+        parameters: of the elastic elements besides, at the end of each cycle, by their names
+            (C,) each.
+        parameters_optimal: of the best ones, by their names.
         torque_squared_optimal: with the best constant springs [N² m²].
         torque_squared_without_springs: without any [N² m²].
         samples: the per-time part of the run's data that belongs to the motion.
@@ -66,6 +69,8 @@ class MotionOfRun:
     equilibrium_optimal: np.ndarray
     stiffness_least: np.ndarray
     stiffness_most: np.ndarray
+    parameters: dict[str, np.ndarray]
+    parameters_optimal: dict[str, float]
     torque_squared_optimal: float
     torque_squared_without_springs: float
     samples: xr.Dataset
@@ -125,6 +130,14 @@ class MotionOfRun:
             return values[-1].tolist() if len(values) else None
 
         rotation = {} if self.rotation_rms is None else {"rotation_rms": last(self.rotation_rms)}
+        elastic = (
+            {
+                "parameters": {name: last(values) for name, values in self.parameters.items()},
+                "parameters_optimal": self.parameters_optimal,
+            }
+            if self.parameters
+            else {}
+        )
         return {
             "start_s": self.start,
             "end_s": self.end,
@@ -140,6 +153,7 @@ class MotionOfRun:
             "stiffness_optimal": self.stiffness_optimal.tolist(),
             "offset": last(self.offset),
             "offset_optimal": self.offset_optimal.tolist(),
+            **elastic,
             "cycles_to_optimum": self.cycles_to_optimum,
         }
 
@@ -169,10 +183,19 @@ def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
     for row, number in enumerate(data["segment"].values.tolist()):
         cycles = of_cycle == number
         rotation = data["rotation_rms"].values[cycles] if "rotation_rms" in data else None
+        names = data["parameter"].values.tolist() if "parameter" in data else []
         found.append(
             MotionOfRun(
                 number=number,
                 rotation_rms=rotation,
+                parameters={
+                    name: data["parameters_per_cycle"].values[cycles, at]
+                    for at, name in enumerate(names)
+                },
+                parameters_optimal={
+                    name: data["parameters_optimal"].values[row, at].item()
+                    for at, name in enumerate(names)
+                },
                 cycles=data["cycle"].values[cycles],
                 center=data["center_per_cycle"].values[cycles],
                 samples=data.isel(time=np.flatnonzero(of_sample == number)),

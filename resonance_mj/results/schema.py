@@ -30,6 +30,7 @@ COORDINATES = {
     "joint": Variable(("joint",), "1", "name of the joint", "U"),
     "slides": Variable(("joint",), "1", "1 for a slide joint", "i"),
     "axis": Variable(("axis",), "1", "coordinate of the task", "U"),
+    "parameter": Variable(("parameter",), "1", "parameter of an elastic element", "U"),
     "cycle_of_sample": Variable(SAMPLE, "1", "cycle that a sample belongs to", "i"),
     "segment_of_sample": Variable(SAMPLE, "1", "motion that a sample belongs to", "i"),
     "segment_of_cycle": Variable(CYCLE, "1", "motion that a cycle repeats", "i"),
@@ -59,6 +60,8 @@ VARIABLES = {
     "offset_per_cycle": Variable(CYCLE_JOINT, "N m", "offset torque at the end of the cycle"),
     "equilibrium_per_cycle": Variable(CYCLE_JOINT, "rad", "q_e at the end of the cycle"),
     "center_per_cycle": Variable(CYCLE_JOINT, "rad", "center q_c during the cycle"),
+    "parameters_per_cycle": Variable(("cycle", "parameter"), "SI", "elastic elements likewise"),
+    "parameters_optimal": Variable(("segment", "parameter"), "SI", "of the optimal elements"),
     "stiffness_optimal": Variable(MOTION_JOINT, "N m/rad", "stiffness of the optimal springs"),
     "offset_optimal": Variable(MOTION_JOINT, "N m", "offset of the optimal springs"),
     "equilibrium_optimal": Variable(MOTION_JOINT, "rad", "q_e of the optimal springs"),
@@ -77,7 +80,10 @@ VARIABLES = {
     "dq_end": Variable(("joint",), "rad/s", "joint velocity after the last time step"),
 }
 
-OPTIONAL = ("rotation_rms", "q_end", "dq_end")
+ELASTIC = ("parameter", "parameters_per_cycle", "parameters_optimal")
+"""Variables that only runs with elastic elements besides the joints' springs have."""
+
+OPTIONAL = ("rotation_rms", "q_end", "dq_end", *ELASTIC)
 """Variables that only runs of a task with rotation have, or those of this version."""
 
 KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
@@ -105,9 +111,12 @@ def dataset(
             unit = f"{unit}; {OF_SLIDES[unit]} for slide joints"
         return about.dims, values[name], {"units": unit, "long_name": about.meaning}
 
+    absent = set() if len(values["parameter"]) else set(ELASTIC)
+    names = values.keys() - absent
+
     return xr.Dataset(
-        {name: entry(name, about) for name, about in VARIABLES.items() if name in values},
-        {name: entry(name, about) for name, about in COORDINATES.items()},
+        {name: entry(name, about) for name, about in VARIABLES.items() if name in names},
+        {name: entry(name, about) for name, about in COORDINATES.items() if name in names},
         {"thinned": int(thinned)},
     )
 

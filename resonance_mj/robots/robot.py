@@ -10,8 +10,9 @@ import mujoco
 import numpy as np
 
 from ..experiments.experiment import Experiment
+from ..springs.elements import Element
 from ..text import joined
-from . import clearing, mjcf, payload, sound, task
+from . import clearing, elastic, mjcf, payload, sound, task
 from . import home as homes
 from .compiling import compile_spec
 from .couplings import Followers
@@ -40,6 +41,7 @@ class Robot:
         dof_address: their addresses in qvel (n,).
         actuator_id: the motor of each (n,).
         followers: the joints that are coupled to these.
+        elements: elastic elements besides the joints' springs, which the model has as tendons.
         site: id of the tool's site.
         axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
         coordinate: their numbers, 0 to 5 (m,).
@@ -64,6 +66,7 @@ class Robot:
     dof_address: np.ndarray
     actuator_id: np.ndarray
     followers: Followers
+    elements: tuple[Element, ...]
     site: int
     payload: int | None
     axes: tuple[str, ...]
@@ -196,6 +199,8 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), dofs)
         carries = any(motion.payload > 0 for motion in experiment.motion)
         load = payload.add(spec, arm.site, arm.point) if carries else None
+        elements = elastic.elements(experiment.springs, arm.model, joints, home, path)
+        elastic.add(spec, elements, joints)
         model = compile_spec(spec, path)
         joint_id = np.array([model.joint(name).id for name in joints])
         actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
@@ -217,6 +222,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         dof_address=model.jnt_dofadr[joint_id].copy(),
         actuator_id=actuator_id,
         followers=followers,
+        elements=elements,
         site=site,
         payload=None if load is None else int(model.body(load).id),
         axes=axes,

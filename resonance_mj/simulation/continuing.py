@@ -8,7 +8,8 @@ from ..errors import ExperimentError
 from ..laws import learning
 from ..plan.plan import Left, Plan
 from ..results.run import Run
-from ..springs.fit import LinearSprings
+from ..springs.elements import Elements, names
+from ..springs.fit import SPRINGS, LinearSprings
 from ..text import shown
 
 
@@ -55,9 +56,11 @@ def start(run: Run, plan: Plan) -> Start:
         ExperimentError: the arm or the task is another.
     """
     data = run.data
+    parameters = data["parameter"].values if "parameter" in data else np.array([], str)
     for what, mine, its in (
         ("joints", plan.robot.joints, data["joint"].values),
         ("coordinates", plan.robot.axes, data["axis"].values),
+        ("elastic elements' parameters", names(plan.robot.elements), parameters),
     ):
         if list(mine) != its.tolist():
             raise ExperimentError(
@@ -66,9 +69,11 @@ def start(run: Run, plan: Plan) -> Start:
                 f"run {shown(its)}"
             )
     last = data.isel(time=np.flatnonzero(data["cycle_of_sample"].values == data.sizes["cycle"]))
-    springs = LinearSprings(
-        *(data[f"{name}_per_cycle"].values[-1] for name in LinearSprings._fields)
-    )
+    k, offset, center = (data[f"{name}_per_cycle"].values[-1] for name in SPRINGS)
+    others = Elements()
+    if elements := plan.robot.elements:
+        others = Elements(elements, data["parameters_per_cycle"].values[-1])
+    springs = LinearSprings(k, offset, center, others)
     u = last["u"].values
     if not data["passage"].values[-1]:
         before = run.plan

@@ -7,7 +7,7 @@ from ..laws.memory import Memory
 from ..plan.plan import Plan
 from ..robots.reach import reach as arm_reach
 from ..springs.bounds import Bounds
-from ..springs.fit import LinearSprings, reach
+from ..springs.fit import LinearSprings, nearest_to_nothing, reach
 from ..text import shown
 
 
@@ -33,7 +33,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     memory["parameters"][index] = law.parameters
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
-    load_springs(memory, index, _first_springs(plan), bounds)
+    load_springs(memory, index, first_springs(plan), bounds)
     # A joint that turns by a radian in a time step is beyond any sampled control.
     dt = experiment.simulation.timestep
     memory["before"][index] = robot.position
@@ -58,13 +58,18 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
 
 def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bounds) -> None:
     """Write the springs that act, and how far from their centre they may go, into the memory."""
-    for name, value in zip(("stiffness", "offset", "q_c"), springs, strict=True):
+    for name, value in zip(("stiffness", "offset", "q_c"), springs[:3], strict=True):
         memory[name][index] = value
     memory["low"][index], memory["high"][index] = reach(bounds, springs.center)
 
 
-def _first_springs(plan: Plan) -> LinearSprings:
+def first_springs(plan: Plan) -> LinearSprings:
     """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed."""
+    own = _first_of_joints(plan)
+    return own._replace(others=nearest_to_nothing(plan.gains.bounds, plan.robot.n))
+
+
+def _first_of_joints(plan: Plan) -> LinearSprings:
     springs, bounds, adapts = plan.experiment.springs, plan.gains.bounds, plan.law.adapts
     k = np.broadcast_to(np.asarray(springs.initial_stiffness, float), plan.robot.n)
     k = np.where(bool(adapts) | (k != 0.0), np.clip(k, *bounds.stiffness), k)

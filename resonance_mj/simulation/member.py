@@ -8,11 +8,12 @@ from ..laws.memory import COLUMNS, Memory
 from ..plan.plan import Plan
 from ..results.motions import motions
 from ..results.run import Run
+from ..robots import elastic
 from ..springs.fit import LinearSprings
 from ..status import Status
 from .continuing import Start
 from .ending import calmer, ending, hindrances, named
-from .loading import load_law, load_motion, load_springs
+from .loading import first_springs, load_law, load_motion, load_springs
 from .recording import Recording
 from .stepper import Stepper
 
@@ -43,6 +44,7 @@ class Member:
         self.status, self._message = Status.OK, ""
         stepper.start(index, plan.robot.qpos)
         load_law(memory, index, plan)
+        self._others = first_springs(plan).others
         if start is not None:
             self._go_on_from(start)
 
@@ -56,6 +58,7 @@ class Member:
         positions = ["xyz".index(axis) for axis in robot.position_axes]
         memory["before"][index, positions] = start.x[: len(positions)]
         load_springs(memory, index, start.springs, self.plan.gains.bounds)
+        self._others = start.springs.others
         memory["learned"][index, : len(start.u)] = start.u
 
     def begin_cycle(self, cycle: int) -> None:
@@ -68,6 +71,9 @@ class Member:
             model[index] = plan.loaded[segment].robot.model
         if begins or passed or self._passing:
             load_motion(self._memory, index, plan, cycle)
+            if "springs" in plan.law.told:
+                self._others = plan.optima[segment].springs.others
+        elastic.write(model[index], self._others)
         controller.write_springs(
             self._memory.block(index), model[index].jnt_stiffness, model[index].qpos_spring
         )
@@ -131,7 +137,8 @@ class Member:
 
     @property
     def _springs(self) -> LinearSprings:
-        return LinearSprings(*(self._memory[name][self._index] for name in _SPRINGS))
+        k, offset, center = (self._memory[name][self._index] for name in _SPRINGS)
+        return LinearSprings(k, offset, center, self._others)
 
     def _signals(self, steps: int) -> dict[str, np.ndarray]:
         """Views of what the last cycle's control steps recorded, and of what was desired."""
@@ -154,6 +161,7 @@ class Member:
             )
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
             load_springs(memory, index, springs, plan.gains.bounds)
+            self._others = springs.others
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
 

@@ -11,7 +11,8 @@ from ..motions.motion import sample
 from ..plan.plan import Plan
 from ..results import metrics, schema
 from ..robots.reach import reach
-from ..springs.fit import LinearSprings
+from ..springs.elements import names
+from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
 from .ending import Hindrance, LastCycle
@@ -24,6 +25,9 @@ HARDER, GROWN = 3.0, 10.0
 
 FIGURES = ("torque_squared", "tracking_rms", "rotation_rms", "singular_value")
 """What is measured of each whole cycle."""
+
+PER_CYCLE = (*SPRINGS, "parameters")
+"""What is kept of the springs at the end of each."""
 
 Signals = dict[str, np.ndarray]
 """What a cycle's control steps recorded, by the names of `COLUMNS`, and x_desired (N, ·)."""
@@ -41,8 +45,7 @@ class Recording:
             name: [] for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
         }
         self._cycles: dict[str, list[np.ndarray | float]] = {
-            name: []
-            for name in (*FIGURES, *(f"{name}_per_cycle" for name in LinearSprings._fields))
+            name: [] for name in (*FIGURES, *(f"{name}_per_cycle" for name in PER_CYCLE))
         }
         self._time = 0.0
         self.last: dict[int, LastCycle] = {}
@@ -107,12 +110,13 @@ class Recording:
             [self._plan.kinematics.jacobian(some) for some in q[:: max(1, steps // POSES)]]
         )
         found["singular_value"].append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
-        acting = LinearSprings(signals["stiffness"], signals["offset"], springs.center)
+        own = signals["stiffness"], signals["offset"]
+        acting = LinearSprings(*own, springs.center, springs.others)
         total = tau + acting.torque(q)
         self.last[int(self._segment[cycle])] = LastCycle(
             q.copy(), tau.copy(), total, springs.center.copy()
         )
-        for name, value in zip(LinearSprings._fields, springs, strict=True):
+        for name, value in zip(PER_CYCLE, (*springs[:3], springs.others.parameters), strict=True):
             found[f"{name}_per_cycle"].append(value.copy())
 
     def optima(
@@ -165,13 +169,15 @@ class Recording:
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
         optima, made = self.optima(size, hindered)
         cycles = len(self._cycles["torque_squared"])
-        width = {"joint": robot.n, "axis": robot.m}
+        parameters = names(robot.elements)
+        width = {"joint": robot.n, "axis": robot.m, "parameter": len(parameters)}
 
         def joined(name: str, parts: Sequence[np.ndarray | float]) -> np.ndarray:
             """All parts in a row, as a variable has them; there may be none."""
             _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
             values = np.concatenate([np.empty(0), *map(np.ravel, parts)])
-            return values.reshape(-1, *(width[dim] for dim in dims))
+            wide = tuple(width[dim] for dim in dims)
+            return values.reshape(-1, *wide) if all(wide) else np.empty((len(parts), *wide))
 
         values = {name: joined(name, parts) for name, parts in self._samples.items()}
         values |= {
@@ -183,12 +189,13 @@ class Recording:
         values["cycle_of_sample"] = values["cycle_of_sample"].astype(int)
         values["segment_of_sample"] = self._segment[values["cycle_of_sample"] - 1] + 1
         for suffix in ("", "_per_cycle"):
-            k, offset, center = (values[f"{name}{suffix}"] for name in LinearSprings._fields)
+            k, offset, center = (values[f"{name}{suffix}"] for name in SPRINGS)
             values[f"equilibrium{suffix}"] = equilibrium_angles(k, offset, center)
         for name in ("stiffness", "offset", "equilibrium", "torque_squared"):
             values[f"{name}_optimal"] = np.array([getattr(best, name) for best in optima])
         ranges = np.array([best.stiffness_range() for best in optima])
         values["stiffness_least"], values["stiffness_most"] = np.moveaxis(ranges, 2, 0)
+        values["parameters_optimal"] = np.array([best.springs.others.parameters for best in optima])
         without = np.array([best.torque_squared_without_springs for best in optima])
         best_torque = [
             optima[self._segment[part[0] - 1]].torque[: len(part)]
@@ -205,6 +212,7 @@ class Recording:
                 "cycle": np.arange(1, cycles + 1),
                 "segment": np.arange(1, len(optima) + 1),
                 "joint": list(robot.joints),
+                "parameter": np.array(parameters, dtype=str),
                 "slides": robot.slides,
                 "axis": list(robot.axes),
                 "segment_of_cycle": segment + 1,

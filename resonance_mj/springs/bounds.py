@@ -1,12 +1,13 @@
-"""What each joint's spring may be."""
+"""What each joint's spring may be, and the elements besides."""
 
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..errors import ExperimentError
-from ..experiments.sections import Springs
+from ..experiments.springs_section import Springs
 from ..text import listed, nearest
+from .elements import Element
 
 
 class Bounds(Protocol):
@@ -24,6 +25,10 @@ class Bounds(Protocol):
     def about_zero(self) -> bool | np.ndarray:
         """Whether it is the joint's own angle, or else that from the springs' centre."""
 
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """Elastic elements besides the joints' own springs."""
+
 
 class JointBounds(NamedTuple):
     """`Bounds` joint by joint, (n,) each."""
@@ -31,17 +36,28 @@ class JointBounds(NamedTuple):
     stiffness: tuple[np.ndarray, np.ndarray]
     equilibrium: tuple[np.ndarray, np.ndarray]
     about_zero: np.ndarray
+    elements: tuple[Element, ...] = ()
 
 
-def per_joint(springs: Springs, joints: tuple[str, ...], source: str) -> JointBounds:
-    """The bounds of each joint's spring.
+UNBOUNDED = JointBounds(
+    (np.array(0.0), np.array(np.inf)), (np.array(-np.inf), np.array(np.inf)), np.array(False)
+)
+"""Springs of any stiffness >= 0 and any equilibrium."""
+
+
+def per_joint(
+    springs: Springs, joints: tuple[str, ...], elements: tuple[Element, ...], source: str
+) -> JointBounds:
+    """The bounds of each joint's spring, with the elements.
 
     A joint without a spring has one that is bound to stiffness 0 about its centre, and a given rest
-    angle is an equilibrium that is bound to it.
+    angle is an equilibrium that is bound to it. An element over one joint is its spring, if that
+    is not said.
 
     Args:
         springs: of the experiment.
         joints: names of the arm's joints.
+        elements: on the arm.
         source: what the error names.
 
     Raises:
@@ -53,11 +69,14 @@ def per_joint(springs: Springs, joints: tuple[str, ...], source: str) -> JointBo
                 f"{source}: springs.joint.{name}: the arm has no such joint"
                 f"{nearest(name, joints)}; its joints are {listed(joints)}"
             )
+    alone = np.sum([one.radii != 0 for one in elements if (one.radii != 0).sum() == 1], axis=0)
     rows = []
-    for joint in joints:
+    for j, joint in enumerate(joints):
         own = springs.joint.get(joint)
         stiffness, equilibrium, zero = springs.stiffness, springs.equilibrium, springs.about_zero
-        if own is not None:
+        if own is None and np.any(alone) and alone[j]:
+            stiffness, equilibrium, zero = (0.0, 0.0), (0.0, 0.0), False
+        elif own is not None:
             stiffness, equilibrium = own.stiffness or stiffness, own.equilibrium or equilibrium
             if own.kind == "none":
                 stiffness, equilibrium, zero = (0.0, 0.0), (0.0, 0.0), False
@@ -65,4 +84,4 @@ def per_joint(springs: Springs, joints: tuple[str, ...], source: str) -> JointBo
                 equilibrium, zero = (own.rest, own.rest), True
         rows.append((*stiffness, *equilibrium, zero))
     k_min, k_max, low, high, zero = np.array(rows, float).T
-    return JointBounds((k_min, k_max), (low, high), zero.astype(bool))
+    return JointBounds((k_min, k_max), (low, high), zero.astype(bool), elements)

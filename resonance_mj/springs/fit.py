@@ -12,12 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import spring
+from . import program, spring
 from .bounds import Bounds
+from .elements import Elements
 
 
 class LinearSprings(NamedTuple):
-    """One spring per joint: each exerts -k (q - q_c) + q̄_e."""
+    """One spring per joint: each exerts -k (q - q_c) + q̄_e; and elements besides."""
 
     stiffness: np.ndarray
     """k (n,) [N m/rad]."""
@@ -25,15 +26,22 @@ class LinearSprings(NamedTuple):
     """Offset torque q̄_e about `center` (n,) [N m]."""
     center: np.ndarray
     """Centre q_c (n,) [rad]."""
+    others: Elements = Elements()
+    """Elements over any joints."""
 
     def torque(self, q: np.ndarray) -> np.ndarray:
-        """Torque at joint angles (..., n) [N m]."""
-        return spring.torque(self.stiffness, self.offset, q, self.center)
+        """Torque at joint angles (N, n) [N m]."""
+        own = spring.torque(self.stiffness, self.offset, q, self.center)
+        return own + self.others.torque(q) if self.others.elements else own
 
     def about(self, center: np.ndarray) -> LinearSprings:
         """The same springs, their offset torque about another centre (n,) [rad]."""
         offset = self.offset + self.stiffness * (self.center - center)
-        return LinearSprings(self.stiffness, offset, center)
+        return LinearSprings(self.stiffness, offset, center, self.others)
+
+
+SPRINGS = ("stiffness", "offset", "center")
+"""The arrays of `LinearSprings`, (n,) each."""
 
 
 def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -> LinearSprings:
@@ -47,8 +55,40 @@ def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -
 
     Note:
         A joint that stands still gets no stiffness: torque over angle is arbitrary there.
+
+    Raises:
+        ValueError: no elements are within all of their bounds.
     """
+    if bounds.elements:
+        return _together(q, torque, bounds).about(center)
     return feasible(asked_for(q, torque), q, bounds, center)
+
+
+def nearest_to_nothing(bounds: Bounds, n: int) -> Elements:
+    """The elements (of an arm of n joints) that exert least and are within their bounds."""
+    still = np.zeros((1, n))
+    return _together(still, still, bounds).others if bounds.elements else Elements()
+
+
+def columns(q: np.ndarray, bounds: Bounds) -> program.Columns:
+    """What springs and elements do along joint angles (N, n), and what they may be."""
+    n, mean = q.shape[1], q.mean(axis=0)
+    low, high = (np.broadcast_to(end, n) for end in reach(bounds, mean))
+    least, most = (np.broadcast_to(end, n) for end in bounds.stiffness)
+    return program.columns(q, bounds.elements, (least, most), (low, high))
+
+
+def _together(q: np.ndarray, torque: np.ndarray, bounds: Bounds) -> LinearSprings:
+    """The best springs and elements, about the mean angle."""
+    given, own = columns(q, bounds), 2 * q.shape[1]
+    found = Elements(bounds.elements, program.best(given, torque.ravel(), bounds.elements)[own:])
+    within = np.concatenate([one.within(p) for one, p in found.each()])
+    others = Elements(bounds.elements, within)
+    # For what they leave, the springs in closed form: theirs is the last bit of a common optimum.
+    mean = q.mean(axis=0)
+    return feasible(asked_for(q, torque - others.torque(q)), q, bounds, mean)._replace(
+        others=others
+    )
 
 
 def reach(bounds: Bounds, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -84,7 +124,7 @@ def feasible(
     within = (*bounds.stiffness, low, high, variance)
     each = np.broadcast_arrays(wanted.stiffness, wanted.offset, *within)
     k, b = np.transpose([spring.nearest(*one) for one in np.transpose(each)])
-    return LinearSprings(k, b, mean).about(center)
+    return LinearSprings(k, b, mean, wanted.others).about(center)
 
 
 def spring_like_part(v: np.ndarray, q_bar: np.ndarray) -> np.ndarray:

@@ -53,7 +53,7 @@ class Optimum:
     @property
     def equilibrium(self) -> np.ndarray:
         """q_e,opt (n,) [rad]; inf or -inf where a spring of no stiffness must push."""
-        return equilibrium_angles(*self.springs, limp=0.0)
+        return equilibrium_angles(*self.springs[:3], limp=0.0)
 
     @property
     def cost(self) -> float:
@@ -83,6 +83,8 @@ class Optimum:
     def stiffness_range(self, rise: float = 0.01) -> np.ndarray:
         """Stiffnesses between which the cost hardly changes, each with the best offset (n, 2).
 
+        Other joints' springs, and elements, are as they are.
+
         Args:
             rise: how much more torque² they leave at most, as a share of that without springs.
 
@@ -93,8 +95,11 @@ class Optimum:
 
         mean = self.q.mean(axis=0)
         low, high = reach(self.bounds, mean)
-        z, level = self.q - mean, self.torque_without_springs.mean(axis=0)
-        rest = self.torque_without_springs - level
+        others = self.springs.others
+        needed = self.torque_without_springs
+        needed = needed - others.torque(self.q) if others.elements else needed
+        z, level = self.q - mean, needed.mean(axis=0)
+        rest = needed - level
         allowed = rise * self.torque_squared_without_springs
         most = (self.torque**2).mean(axis=0) + allowed
         bounds = [np.broadcast_to(end, level.shape) for end in self.bounds.stiffness]

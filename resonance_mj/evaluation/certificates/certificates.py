@@ -14,6 +14,7 @@ from ...errors import RobotError
 from ...plan.plan import Plan
 from ...results.cycles import Cycle, kept
 from ...results.run import Run, Status
+from ...springs.elements import Elements
 from ...springs.fit import LinearSprings
 from ...springs.optimum import Optimum, best_springs
 from ...text import listed, shown
@@ -168,7 +169,8 @@ def _of_motion_made(run: Run, cycles: list[Cycle]) -> Optimum | None:
     if run.status is not Status.OK or not cycles:
         return None
     last = cycles[-1]
-    acting = LinearSprings(last.stiffness, last.offset, last.center)
+    others = Elements(run.plan.robot.elements, last.parameters)
+    acting = LinearSprings(last.stiffness, last.offset, last.center, others)
     return best_springs(
         last.q,
         last.tau + acting.torque(last.q),
@@ -209,6 +211,8 @@ def _of_optimum(
         why = "there is no proof with Jᵀ in (8)"
     elif np.linalg.matrix_rank(chosen.learning) < plan.robot.n:
         why = "the learning gain is 0"
+    elif plan.robot.elements:
+        why = "V of (14) is of the joints' own springs, and there are other elements"
     elif best is not None and len(mine) < 2:
         why = "no two cycles were kept"
     rest = [unknown(motion, claim, why or NO_MOTION) for claim in (PASSIVE, FALLING)]

@@ -18,6 +18,7 @@ from ...plan.plan import Plan
 from ...results.cycles import Cycle
 from ...springs import spring
 from ...springs.bounds import Bounds
+from ...springs.elements import Elements
 from ...springs.fit import LinearSprings, asked_for, feasible
 from ...springs.optimum import Optimum
 
@@ -35,11 +36,17 @@ def printed(now: Cycle, then: Cycle, plan: Plan) -> tuple[np.ndarray, np.ndarray
 def transferred(now: Cycle, then: Cycle, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     """The transfer law. (9): motor and spring go on as before. (11): the spring takes no more."""
     v = _learned(now, plan)
-    begins = LinearSprings(then.stiffness[0], then.offset[0], then.center)
-    before = v + LinearSprings(now.last_stiffness, now.last_offset, now.center).torque(now.q)
+    begins = LinearSprings(then.stiffness[0], then.offset[0], then.center, elements(then, plan))
+    ended = LinearSprings(now.last_stiffness, now.last_offset, now.center, elements(now, plan))
+    before = v + ended.torque(now.q)
     after = then.u + begins.torque(now.q)
     left = untaken(then.u, now.q, begins, plan.gains.bounds)
     return share(after - before, before), share(left, v)
+
+
+def elements(cycle: Cycle, plan: Plan) -> Elements:
+    """The elastic elements besides the joints' springs, as they are in a cycle."""
+    return Elements(plan.robot.elements, cycle.parameters)
 
 
 def optimal(best: Optimum, bounds: Bounds) -> np.ndarray:

@@ -1,0 +1,143 @@
+"""Elastic elements on an arm: each is one of MuJoCo's own tendon springs, or two of them."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from ..errors import RobotError
+from ..experiments.springs_section import Element as Given
+from ..experiments.springs_section import Springs
+from ..springs.elements import Element, Elements
+from ..text import listed, nearest, shown
+from . import names
+
+FAR = 1e10
+"""Length that no element has."""
+
+TURN = np.pi
+"""How far a joint without a range turns from home, or slides [rad, m]."""
+
+
+def elements(
+    springs: Springs,
+    model: mujoco.MjModel,
+    joints: tuple[str, ...],
+    home: np.ndarray,
+    path: Path,
+) -> tuple[Element, ...]:
+    """The elements of an experiment on an arm.
+
+    Args:
+        springs: of the experiment.
+        model: the robot's file as its author wrote it.
+        joints: names of the arm's joints.
+        home: joint angles at the start (n,) [rad].
+        path: of the file.
+
+    Raises:
+        RobotError: an element names a joint or a tendon that the arm does not have, or a rest
+            length that its joints cannot bring it to.
+    """
+    ids = [model.joint(name).id for name in joints]
+    limited = model.jnt_limited[ids].astype(bool)[:, None]
+    ranges = np.where(limited, model.jnt_range[ids], home[:, None] + [-TURN, TURN])
+    found = []
+    for index, given in enumerate(springs.element):
+        where = f"{path}: springs.element.{index}"
+        radii, stiffness, rest = _over(given, model, joints, where)
+        ends = np.sort(radii[:, None] * ranges, axis=1).sum(axis=0)
+        travel = float(ends[0]), float(ends[1])
+        if given.kind in ("above", "below") and rest is None:
+            at_home = float(radii @ home)
+            rest = at_home, at_home
+        center = float(radii @ home)
+        if rest is not None and rest[0] == rest[1]:
+            center = rest[0]
+            if given.kind in ("above", "below") and not travel[0] <= center <= travel[1]:
+                raise RobotError(
+                    f"{where}.rest = {center:.6g}: the joints bring it to lengths from "
+                    f"{travel[0]:.4g} to {travel[1]:.4g}"
+                )
+        found.append(Element(given.called, given.kind, radii, stiffness, rest, center, travel))
+    return tuple(found)
+
+
+def add(spec: mujoco.MjSpec, elements: tuple[Element, ...], joints: tuple[str, ...]) -> None:
+    """Add the tendons of elements, without stiffness, to a spec that has no others."""
+    for element in elements:
+        below, above = element.center, element.center
+        if element.kind == "above":
+            below = -FAR
+        elif element.kind == "below":
+            above = FAR
+        for _ in range(1 + (element.kind == "cubic")):
+            tendon = spec.add_tendon(name=names.free(element.name, spec.tendon))
+            tendon.springlength = [below, above]
+            for joint, radius in zip(joints, element.radii, strict=True):
+                if radius:
+                    tendon.wrap_joint(joint, radius)
+
+
+def write(model: mujoco.MjModel, springs: Elements) -> None:
+    """Rewrite mjModel's tendon springs, which `add` has made, with the elements' parameters."""
+    at = 0
+    for (element, p), rest in zip(springs.each(), springs.rest(), strict=True):
+        model.tendon_stiffness[at] = p[0]
+        if len(p) > 1:
+            if p[0] == 0.0 != p[-1]:
+                model.tendon_stiffness[at] = p[-1] / (rest - element.center)
+            model.tendon_lengthspring[at] = rest
+        if element.kind == "cubic":
+            at += 1
+            model.tendon_stiffnesspoly[at, :2] = p[1:3]
+        at += 1
+
+
+def _over(
+    given: Given, model: mujoco.MjModel, joints: tuple[str, ...], where: str
+) -> tuple[np.ndarray, tuple[float, float], tuple[float, float] | None]:
+    """Radii (n,), bounds of the stiffness and of the rest length of an element."""
+    stiffness, rest = given.stiffness, given.rest
+    bounds = rest if isinstance(rest, tuple) or rest is None else (rest, rest)
+    if given.tendon is None:
+        named = given.joints or ()
+        pairs = list(zip(named, given.radii or (1.0,) * len(named), strict=True))
+    else:
+        tendons = [model.tendon(i).name for i in range(model.ntendon)]
+        if given.tendon not in tendons:
+            raise RobotError(
+                f"{where}.tendon = {shown(given.tendon)}: no such tendon"
+                f"{nearest(given.tendon, tendons)}; its tendons are {listed(tendons)}"
+            )
+        pairs, of_file, at = _of_tendon(model, tendons.index(given.tendon), where)
+        if of_file > 0:
+            stiffness = stiffness or (of_file, of_file)
+            bounds = bounds or (at, at)
+    radii = np.zeros(len(joints))
+    for name, radius in pairs:
+        if name not in joints:
+            raise RobotError(
+                f"{where}: the arm has no joint {shown(name)}{nearest(name, joints)}; its joints "
+                f"are {listed(joints)}"
+            )
+        radii[joints.index(name)] = radius
+    return radii, stiffness or (0.0, np.inf), bounds
+
+
+def _of_tendon(
+    model: mujoco.MjModel, tendon: int, where: str
+) -> tuple[list[tuple[str, float]], float, float]:
+    """Joints with their radii, stiffness and rest length of a fixed tendon of the file."""
+    first = int(model.tendon_adr[tendon])
+    wraps = range(first, first + int(model.tendon_num[tendon]))
+    if any(model.wrap_type[i] != int(mujoco.mjtWrap.mjWRAP_JOINT) for i in wraps):
+        raise RobotError(f"{where}.tendon: it is not a fixed tendon, of which joints have radii")
+    low, high = model.tendon_lengthspring[tendon].tolist()
+    if low != high:
+        raise RobotError(
+            f"{where}.tendon: it is slack from {low:g} to {high:g}: give joints and radii, and a "
+            'kind "above" or "below" for each side'
+        )
+    pairs = [(model.joint(model.wrap_objid[i]).name, float(model.wrap_prm[i])) for i in wraps]
+    return pairs, float(model.tendon_stiffness[tendon]), low

@@ -1,0 +1,151 @@
+"""Springs and elements together: the best of a convex set, where they act on the same joints.
+
+∫(τ - Φ p)ᵀ(τ - Φ p) dt is a convex quadratic in all parameters p, and what they may be is a convex
+polyhedron. With the metric of the cost taken out it is a least-distance problem, and that a
+non-negative least squares problem (Lawson and Hanson, Solving Least Squares Problems, ch. 23),
+which an active-set method solves exactly in a finite number of steps.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .elements import Element, regressor
+
+FLOOR = 1e-6
+"""Singular value, of the largest, below which parameters cannot be told apart: there the least of
+them that is feasible is taken."""
+
+ROUNDS = 20
+"""Times that the stiffness of cubic elements is looked at between where it is bounded."""
+
+
+class Columns(NamedTuple):
+    """What the parameters do along a motion, of n joints' springs and of P of elements."""
+
+    torque: np.ndarray
+    """Torque per parameter (N n, d): n of stiffness, n of offset, P of elements."""
+    rows: np.ndarray
+    """A (rows, d) of A p <= b."""
+    ends: np.ndarray
+    """b (rows,)."""
+
+
+def columns(
+    q: np.ndarray,
+    elements: tuple[Element, ...],
+    stiffness: tuple[np.ndarray, np.ndarray],
+    equilibrium: tuple[np.ndarray, np.ndarray],
+) -> Columns:
+    """The joints' springs about the mean angle, and the elements, along joint angles (N, n).
+
+    Args:
+        q: joint angles over a cycle (N, n) [rad].
+        elements: on the arm.
+        stiffness: bounds of the joints' own springs (n,), (n,) [N m/rad].
+        equilibrium: bounds of their equilibrium angles about the mean (n,), (n,) [rad].
+    """
+    N, n = q.shape
+    eye = np.eye(n)
+    own = [-(q - q.mean(axis=0))[:, :, None] * eye, np.broadcast_to(eye, (N, n, n))]
+    phi = np.concatenate([*own, regressor(elements, q)], axis=2).reshape(N * n, -1)
+    nothing, d = np.zeros((n, n)), phi.shape[1]
+    rows, ends = (
+        [np.hstack([-eye, nothing]), np.hstack([eye, nothing])],
+        [-stiffness[0], stiffness[1]],
+    )
+    low, high = equilibrium
+    bounded = np.isfinite(low) & np.isfinite(high)
+    cone = np.where(bounded, low, 0.0), np.where(bounded, high, 0.0)
+    rows += [np.hstack([np.diag(cone[0]), -eye]), np.hstack([-np.diag(cone[1]), eye])]
+    ends += [np.where(bounded, 0.0, np.inf)] * 2
+    A = np.zeros((4 * n, d))
+    A[:, : 2 * n] = np.concatenate(rows)
+    parts, at = [A], 2 * n
+    for element in elements:
+        mine, limit = element.limits()
+        parts.append(np.zeros((len(mine), d)))
+        parts[-1][:, at : at + mine.shape[1]] = mine
+        ends.append(limit)
+        at += mine.shape[1]
+    A, b = np.concatenate(parts), np.concatenate(ends)
+    return Columns(phi, A[np.isfinite(b)], b[np.isfinite(b)])
+
+
+def solve(given: Columns, torque: np.ndarray) -> np.ndarray:
+    """Feasible parameters (d,) that leave the least of a torque (N n,) in the mean square.
+
+    Raises:
+        ValueError: no parameters are feasible.
+    """
+    from scipy.optimize import nnls  # takes longer to import than a plan without elements
+
+    scale = np.sqrt((given.torque**2).mean(axis=0))
+    scale[scale <= FLOOR * scale.max(initial=0.0)] = scale.max(initial=0.0) or 1.0
+    phi = given.torque / scale
+    values, vectors = np.linalg.eigh(phi.T @ phi)
+    root = np.sqrt(np.maximum(values, FLOOR**2 * values[-1]))
+    back = vectors / root / scale[:, None]
+    wanted = (vectors / root).T @ (phi.T @ torque)
+    # w = z - wanted, least |w| with G w >= h.
+    G = -given.rows @ back
+    norms = np.linalg.norm(G, axis=1)
+    G, h = G / norms[:, None], (given.rows @ (back @ wanted) - given.ends) / norms
+    size = h.max(initial=0.0)
+    if size <= 0.0:
+        return back @ wanted
+    E = np.vstack([G.T, h / size])
+    target = np.zeros(len(E))
+    target[-1] = 1.0
+    u, _ = nnls(E, target, maxiter=50 * E.shape[1])
+    residual = E @ u - target
+    if np.linalg.norm(residual) < 1e-9:
+        raise ValueError("no parameters are within all bounds")
+    return back @ (wanted - size * residual[:-1] / residual[-1])
+
+
+def best(given: Columns, torque: np.ndarray, elements: tuple[Element, ...]) -> np.ndarray:
+    """As `solve`, with the stiffness of cubic elements bounded at every length of their travel."""
+    d = given.torque.shape[1]
+    for _ in range(ROUNDS):
+        found = solve(given, torque)
+        rows, ends, at = [], [], d - sum(len(one.parameters) for one in elements)
+        for element in elements:
+            mine = slice(at, at + len(element.parameters))
+            at = mine.stop
+            if element.kind != "cubic":
+                continue
+            slopes = element.slopes(element.extremes(found[mine]))
+            k, (low, high) = slopes @ found[mine], element.stiffness
+            beyond = np.maximum(low - k, k - high) > 1e-9 * np.abs(found[mine]).max()
+            for slope, above in zip(slopes[beyond], k[beyond] > high, strict=True):
+                rows.append(np.zeros(d))
+                rows[-1][mine] = slope if above else -slope
+                ends.append(high if above else -low)
+        if not rows:
+            break
+        given = Columns(
+            given.torque, np.vstack([given.rows, *rows]), np.concatenate([given.ends, ends])
+        )
+    return found
+
+
+def alike(given: Columns, n: int) -> np.ndarray:
+    """Which parameters (k) cannot be told apart along a motion of n joints, but by a constant.
+
+    Returns:
+        Indices of those of the weakest direction, in which the torque but for its mean vanishes;
+        empty if there is none.
+    """
+    varies = given.torque.reshape(-1, n, given.torque.shape[1])
+    varies = (varies - varies.mean(axis=0)).reshape(given.torque.shape)
+    scale = np.sqrt((varies**2).mean(axis=0))
+    moves = np.flatnonzero(scale > FLOOR * np.sqrt((given.torque**2).mean(axis=0)))
+    phi = varies[:, moves] / scale[moves]
+    values, vectors = np.linalg.eigh(phi.T @ phi)
+    if not len(values) or values[0] > FLOOR**2 * values[-1]:
+        return np.empty(0, int)
+    share = np.abs(vectors[:, 0])
+    return moves[share > 0.1 * share.max()]
