@@ -65,7 +65,7 @@ class Element(NamedTuple):
             return -np.maximum(x, 0.0)[:, None]
         if self.kind == "below":
             return -np.minimum(x, 0.0)[:, None]
-        powers = [-(x**power) for power in range(1, len(self.parameters))]
+        powers = -np.cumprod(np.broadcast_to(x, (len(self.parameters) - 1, *x.shape)), axis=0)
         return np.stack([*powers, np.ones_like(x)], axis=1)
 
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
@@ -135,8 +135,13 @@ class Elements(NamedTuple):
 
 def regressor(elements: tuple[Element, ...], q: np.ndarray) -> np.ndarray:
     """What each parameter exerts at each joint at joint angles (N, n): (N, n, P) [N m]."""
-    each = [one.forces(q)[:, None, :] * one.radii[:, None] for one in elements]
-    return np.concatenate([np.empty((*q.shape, 0)), *each], axis=2)
+    found, at = np.zeros((*q.shape, sum(len(one.parameters) for one in elements))), 0
+    for one in elements:
+        mine = slice(at, at + len(one.parameters))
+        at, forces = mine.stop, one.forces(q)
+        for j in np.flatnonzero(one.radii):
+            found[:, j, mine] = one.radii[j] * forces
+    return found
 
 
 def names(elements: tuple[Element, ...]) -> list[str]:

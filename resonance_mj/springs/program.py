@@ -8,6 +8,7 @@ which an active-set method solves exactly in a finite number of steps.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -74,14 +75,15 @@ def columns(
     return Columns(phi, A[np.isfinite(b)], b[np.isfinite(b)])
 
 
-def solve(given: Columns, torque: np.ndarray) -> np.ndarray:
+def best(given: Columns, torque: np.ndarray, elements: tuple[Element, ...]) -> np.ndarray:
     """Feasible parameters (d,) that leave the least of a torque (N n,) in the mean square.
+
+    The stiffness of cubic elements is within its bounds at every length of their travel: where it
+    is least or greatest a bound is added, until none is exceeded.
 
     Raises:
         ValueError: no parameters are feasible.
     """
-    from scipy.optimize import nnls  # takes longer to import than a plan without elements
-
     scale = np.sqrt((given.torque**2).mean(axis=0))
     scale[scale <= FLOOR * scale.max(initial=0.0)] = scale.max(initial=0.0) or 1.0
     phi = given.torque / scale
@@ -89,13 +91,27 @@ def solve(given: Columns, torque: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.maximum(values, FLOOR**2 * values[-1]))
     back = vectors / root / scale[:, None]
     wanted = (vectors / root).T @ (phi.T @ torque)
-    # w = z - wanted, least |w| with G w >= h.
-    G = -given.rows @ back
-    norms = np.linalg.norm(G, axis=1)
-    G, h = G / norms[:, None], (given.rows @ (back @ wanted) - given.ends) / norms
+    rows, ends = given.rows, given.ends
+    for _ in range(ROUNDS):
+        found = back @ _nearest(wanted, rows @ back, ends)
+        more = list(_exceeded(found, elements))
+        if not more:
+            break
+        rows = np.vstack([rows, *(row for row, _ in more)])
+        ends = np.append(ends, [end for _, end in more])
+    return found
+
+
+def _nearest(wanted: np.ndarray, A: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The z nearest to `wanted` with A z <= b."""
+    from scipy.optimize import nnls  # takes longer to import than a plan without elements
+
+    # w = z - wanted: the least |w| with G w >= h.
+    norms = np.linalg.norm(A, axis=1)
+    G, h = -A / norms[:, None], (A @ wanted - b) / norms
     size = h.max(initial=0.0)
     if size <= 0.0:
-        return back @ wanted
+        return wanted
     E = np.vstack([G.T, h / size])
     target = np.zeros(len(E))
     target[-1] = 1.0
@@ -103,33 +119,29 @@ def solve(given: Columns, torque: np.ndarray) -> np.ndarray:
     residual = E @ u - target
     if np.linalg.norm(residual) < 1e-9:
         raise ValueError("no parameters are within all bounds")
-    return back @ (wanted - size * residual[:-1] / residual[-1])
+    return wanted - size * residual[:-1] / residual[-1]
 
 
-def best(given: Columns, torque: np.ndarray, elements: tuple[Element, ...]) -> np.ndarray:
-    """As `solve`, with the stiffness of cubic elements bounded at every length of their travel."""
-    d = given.torque.shape[1]
-    for _ in range(ROUNDS):
-        found = solve(given, torque)
-        rows, ends, at = [], [], d - sum(len(one.parameters) for one in elements)
-        for element in elements:
-            mine = slice(at, at + len(element.parameters))
-            at = mine.stop
-            if element.kind != "cubic":
-                continue
-            slopes = element.slopes(element.extremes(found[mine]))
-            k, (low, high) = slopes @ found[mine], element.stiffness
-            beyond = np.maximum(low - k, k - high) > 1e-9 * np.abs(found[mine]).max()
-            for slope, above in zip(slopes[beyond], k[beyond] > high, strict=True):
-                rows.append(np.zeros(d))
-                rows[-1][mine] = slope if above else -slope
-                ends.append(high if above else -low)
-        if not rows:
-            break
-        given = Columns(
-            given.torque, np.vstack([given.rows, *rows]), np.concatenate([given.ends, ends])
-        )
-    return found
+def _exceeded(
+    found: np.ndarray, elements: tuple[Element, ...]
+) -> Iterator[tuple[np.ndarray, float]]:
+    """Rows of A and b that bound cubic elements where their stiffness exceeds its bounds."""
+    at = len(found) - sum(len(one.parameters) for one in elements)
+    for element in elements:
+        mine = slice(at, at + len(element.parameters))
+        at = mine.stop
+        if element.kind != "cubic":
+            continue
+        slopes = element.slopes(element.extremes(found[mine]))
+        tolerance = 1e-9 * np.abs(found[mine]).max()
+        for slope, k in zip(slopes, slopes @ found[mine], strict=True):
+            row = np.zeros_like(found)
+            if k < element.stiffness[0] - tolerance:
+                row[mine] = -slope
+                yield row, -element.stiffness[0]
+            elif k > element.stiffness[1] + tolerance:
+                row[mine] = slope
+                yield row, element.stiffness[1]
 
 
 def alike(given: Columns, n: int) -> np.ndarray:
