@@ -26,6 +26,7 @@ COMMANDS = {
     "compare": experiment_commands.compare,
     "sweep": sweep_commands.sweep,
     "plot": run_commands.plot,
+    "springs": run_commands.springs,
     "certify": run_commands.certify,
     "check": experiment_commands.check,
     "render": run_commands.render,

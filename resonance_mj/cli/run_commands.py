@@ -118,6 +118,25 @@ def certify(options: Namespace) -> None:
         screen.line(folder / name)
 
 
+@command(
+    argument("run", "a run's folder, such as runs/paper", metavar="RUN", type=Path),
+    argument("--catalogue", "CSV of springs that can be bought", metavar="FILE", type=Path),
+    figures=True,
+)
+def springs(options: Namespace) -> None:
+    """Say what springs a saved run asks for, which of a catalogue serve, and what they save."""
+    from ..evaluation.spring_catalogue import choices, read
+    from ..evaluation.spring_parts import spring_parts
+    from . import spring_tables
+
+    run, screen = rmj.Run.load(options.run), Screen(options)
+    catalogue = read(options.catalogue) if options.catalogue else None
+    found = spring_parts(run)
+    chosen = choices(found, catalogue) if catalogue else ()
+    data = spring_tables.data(found, chosen)
+    screen.table(data, *spring_tables.parts(found), *spring_tables.chosen(found, chosen))
+
+
 def certified(run: rmj.Run, folder: Path) -> tuple[Certificates, list[str]]:
     """Find and draw a run's certificates; with the names of the files that were written."""
     from ..pictures.figures import certificate_figure

@@ -126,6 +126,11 @@ class Springs(_Bounds):
         """Whether the bounds of the equilibrium are of the joint's own angle."""
         return self.equilibrium_about == "zero"
 
+    @property
+    def elements(self) -> tuple[()]:
+        """None, as bounds of any arm's springs: elements are on the joints of one."""
+        return ()
+
     @model_validator(mode="after")
     def _names_differ(self) -> Springs:
         names = [one.called for one in self.element]

@@ -80,9 +80,10 @@ def _alike(name: str, robot: Robot, joints: JointMotion, bounds: Bounds) -> list
     own = [f"the spring of {joint}" for joint in robot.joints]
     labels = [*own, *own, *(one.name for one in bounds.elements for _ in one.parameters)]
     least, most = (np.broadcast_to(end, robot.n) for end in bounds.stiffness)
-    given = np.flatnonzero(least == most)
-    same = program.alike(columns(joints.q, bounds), robot.n)
-    which = list(dict.fromkeys(labels[at] for at in same if at not in given))
+    adjusted = np.concatenate([np.tile(least < most, 2), np.ones(len(labels) - 2 * robot.n, bool)])
+    torque = columns(joints.q, bounds).torque[:, adjusted]
+    some = [label for label, one in zip(labels, adjusted, strict=True) if one]
+    which = list(dict.fromkeys(some[at] for at in program.alike(torque, robot.n)))
     return [
         f"along {name} {joined(which)} cannot be told apart: what they exert together is adjusted, "
         "with the least of each"

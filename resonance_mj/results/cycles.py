@@ -18,6 +18,8 @@ class Cycle(NamedTuple):
     """Whether it is part of the passage into its motion, which teaches nothing."""
     q: np.ndarray
     """Joint angles (N, n) [rad]."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
     x: np.ndarray
     """Tool position (N, m) [m]."""
     x_desired: np.ndarray
@@ -42,7 +44,7 @@ class Cycle(NamedTuple):
     """Of elastic elements besides (P,)."""
 
 
-SIGNALS = ("q", "x", "x_desired", "y", "u", "tau", "stiffness", "offset", "center")
+SIGNALS = ("q", "dq", "x", "x_desired", "y", "u", "tau", "stiffness", "offset", "center")
 
 
 def kept(run: Run) -> list[Cycle]:

@@ -1,5 +1,7 @@
 """An experiment written into the controller's memory: its law once, its motion cycle by cycle."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import ExperimentError
@@ -58,7 +60,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
 
 def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bounds) -> None:
     """Write the springs that act, and how far from their centre they may go, into the memory."""
-    for name, value in zip(("stiffness", "offset", "q_c"), springs[:3], strict=True):
+    for name, value in zip(("stiffness", "offset", "q_c"), springs, strict=True):
         memory[name][index] = value
     memory["low"][index], memory["high"][index] = reach(bounds, springs.center)
 
@@ -66,7 +68,7 @@ def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bou
 def first_springs(plan: Plan) -> LinearSprings:
     """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed."""
     own = _first_of_joints(plan)
-    return own._replace(others=nearest_to_nothing(plan.gains.bounds, plan.robot.n))
+    return replace(own, others=nearest_to_nothing(plan.gains.bounds, plan.robot.n))
 
 
 def _first_of_joints(plan: Plan) -> LinearSprings:

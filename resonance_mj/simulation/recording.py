@@ -116,7 +116,7 @@ class Recording:
         self.last[int(self._segment[cycle])] = LastCycle(
             q.copy(), tau.copy(), total, springs.center.copy()
         )
-        for name, value in zip(PER_CYCLE, (*springs[:3], springs.others.parameters), strict=True):
+        for name, value in zip(PER_CYCLE, (*springs, springs.others.parameters), strict=True):
             found[f"{name}_per_cycle"].append(value.copy())
 
     def optima(

@@ -133,6 +133,9 @@ class Elements(NamedTuple):
         ]
 
 
+NO_ELEMENTS = Elements()
+
+
 def regressor(elements: tuple[Element, ...], q: np.ndarray) -> np.ndarray:
     """What each parameter exerts at each joint at joint angles (N, n): (N, n, P) [N m]."""
     found, at = np.zeros((*q.shape, sum(len(one.parameters) for one in elements))), 0

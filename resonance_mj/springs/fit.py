@@ -8,17 +8,22 @@ who exerts it: the transfer law, the optimum and the certificates all ask the sa
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from . import program, spring
 from .bounds import Bounds
-from .elements import Elements
+from .elements import NO_ELEMENTS, Elements
 
 
-class LinearSprings(NamedTuple):
-    """One spring per joint: each exerts -k (q - q_c) + q̄_e; and elements besides."""
+@dataclass(frozen=True)
+class LinearSprings:
+    """One spring per joint: each exerts -k (q - q_c) + q̄_e; and elements besides.
+
+    Unpacked, it is the stiffness, offset and centre of the joints' own springs.
+    """
 
     stiffness: np.ndarray
     """k (n,) [N m/rad]."""
@@ -26,8 +31,12 @@ class LinearSprings(NamedTuple):
     """Offset torque q̄_e about `center` (n,) [N m]."""
     center: np.ndarray
     """Centre q_c (n,) [rad]."""
-    others: Elements = Elements()
+    others: Elements = NO_ELEMENTS
     """Elements over any joints."""
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """Stiffness, offset and centre (n,) each."""
+        return iter((self.stiffness, self.offset, self.center))
 
     def torque(self, q: np.ndarray) -> np.ndarray:
         """Torque at joint angles (N, n) [N m]."""
@@ -80,15 +89,14 @@ def columns(q: np.ndarray, bounds: Bounds) -> program.Columns:
 
 def _together(q: np.ndarray, torque: np.ndarray, bounds: Bounds) -> LinearSprings:
     """The best springs and elements, about the mean angle."""
-    given, own = columns(q, bounds), 2 * q.shape[1]
-    found = Elements(bounds.elements, program.best(given, torque.ravel(), bounds.elements)[own:])
+    given, first = columns(q, bounds), 2 * q.shape[1]
+    found = Elements(bounds.elements, program.best(given, torque.ravel(), bounds.elements)[first:])
     within = np.concatenate([one.within(p) for one, p in found.each()])
     others = Elements(bounds.elements, within)
     # For what they leave, the springs in closed form: theirs is the last bit of a common optimum.
     mean = q.mean(axis=0)
-    return feasible(asked_for(q, torque - others.torque(q)), q, bounds, mean)._replace(
-        others=others
-    )
+    own = feasible(asked_for(q, torque - others.torque(q)), q, bounds, mean)
+    return replace(own, others=others)
 
 
 def reach(bounds: Bounds, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

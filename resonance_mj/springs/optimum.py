@@ -53,7 +53,7 @@ class Optimum:
     @property
     def equilibrium(self) -> np.ndarray:
         """q_e,opt (n,) [rad]; inf or -inf where a spring of no stiffness must push."""
-        return equilibrium_angles(*self.springs[:3], limp=0.0)
+        return equilibrium_angles(self.stiffness, self.offset, self.center, limp=0.0)
 
     @property
     def cost(self) -> float:

@@ -133,7 +133,7 @@ def _exceeded(
         if element.kind != "cubic":
             continue
         slopes = element.slopes(element.extremes(found[mine]))
-        tolerance = 1e-9 * np.abs(found[mine]).max()
+        tolerance = 1e-6 * np.abs(found[mine]).max()
         for slope, k in zip(slopes, slopes @ found[mine], strict=True):
             row = np.zeros_like(found)
             if k < element.stiffness[0] - tolerance:
@@ -144,17 +144,21 @@ def _exceeded(
                 yield row, element.stiffness[1]
 
 
-def alike(given: Columns, n: int) -> np.ndarray:
-    """Which parameters (k) cannot be told apart along a motion of n joints, but by a constant.
+def alike(torque: np.ndarray, n: int) -> np.ndarray:
+    """Which parameters (k) cannot be told apart along a motion, but by a constant.
+
+    Args:
+        torque: what each exerts (N n, d) [N m].
+        n: number of joints.
 
     Returns:
         Indices of those of the weakest direction, in which the torque but for its mean vanishes;
         empty if there is none.
     """
-    varies = given.torque.reshape(-1, n, given.torque.shape[1])
-    varies = (varies - varies.mean(axis=0)).reshape(given.torque.shape)
+    varies = torque.reshape(-1, n, torque.shape[1])
+    varies = (varies - varies.mean(axis=0)).reshape(torque.shape)
     scale = np.sqrt((varies**2).mean(axis=0))
-    moves = np.flatnonzero(scale > FLOOR * np.sqrt((given.torque**2).mean(axis=0)))
+    moves = np.flatnonzero(scale > FLOOR * np.sqrt((torque**2).mean(axis=0)))
     phi = varies[:, moves] / scale[moves]
     values, vectors = np.linalg.eigh(phi.T @ phi)
     if not len(values) or values[0] > FLOOR**2 * values[-1]:

@@ -1,0 +1,187 @@
+"""What a run asks of springs that one builds or buys, and what adjusting them is worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import OutputError
+from ..results.cycles import Cycle, kept
+from ..results.run import Run
+from ..springs.elements import Element, Elements
+from ..springs.fit import LinearSprings, fit
+from ..springs.optimum import Optimum, best_springs
+
+RISES = (0.01, 0.05)
+"""Of torque² without springs, how much more a stiffness may leave."""
+
+
+class Part(NamedTuple):
+    """What one spring must be and take along a motion, with the best springs there.
+
+    Units are those of the joint, or for an element of its length.
+    """
+
+    name: str
+    stiffness: float
+    """The best [N m/rad]; of a cubic element where its length is `center`."""
+    ranges: tuple[tuple[float, float], ...] | None
+    """Stiffnesses that leave at most `RISES` more, each; None for elements."""
+    rest: float
+    """Rest angle or length [rad]; inf or -inf for one without stiffness that pushes."""
+    peak: float
+    """Largest torque, or force along the length [N m]."""
+    travel: tuple[float, float]
+    """Least and greatest angle or length from where it rests [rad]."""
+    energy: float
+    """Most that it stores [J]; inf for one without stiffness that pushes."""
+
+
+@dataclass(frozen=True)
+class PartsOfMotion:
+    """Of one motion, the springs, and what the motors do without and with them.
+
+    Attributes:
+        motion: its number, from 1.
+        parts: the joints' springs, then the elements.
+        rms: torque of each motor without and with them (2, n) [N m].
+        peak: the same of its largest torque (2, n) [N m].
+        power: mean of |τ q̇| over time, summed over joints, without and with them (2,) [W].
+        q: the joint motion made (N, n) [rad].
+        needed: torque along it that the joints' own springs and motors exert (N, n) [N m].
+    """
+
+    motion: int
+    parts: tuple[Part, ...]
+    rms: np.ndarray
+    peak: np.ndarray
+    power: np.ndarray
+    q: np.ndarray
+    needed: np.ndarray
+
+
+@dataclass(frozen=True)
+class SpringParts:
+    """What a run asks of its springs.
+
+    Attributes:
+        name: of the run.
+        joints: names of its joints (n).
+        motions: one by one.
+        worth: mean torque² over all motions without springs, with the best springs that are the
+            same in all of them, and with the best for each (3,) [N² m²].
+        common: the springs that are the same in all motions.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    motions: tuple[PartsOfMotion, ...]
+    worth: np.ndarray
+    common: LinearSprings
+
+
+def spring_parts(run: Run) -> SpringParts:
+    """What the springs of a run must be and take, along the joint motions that it made last.
+
+    Args:
+        run: of which each motion has a whole cycle that was kept and tracks.
+
+    Raises:
+        OutputError: a motion has none: its springs would be those of another motion.
+    """
+    plan, last = run.plan, {cycle.motion: cycle for cycle in kept(run)}
+    for motion in run.motions:
+        if motion.number - 1 not in last or not motion.tracks[-1]:
+            raise OutputError(
+                f"run {run.experiment.name!r}: motion {motion.number} has no last cycle that "
+                "follows its path, of which the springs could be judged"
+            )
+    cycles = [last[index] for index in sorted(last)]
+    totals = [_total(cycle, plan.robot.elements) for cycle in cycles]
+    bounds = plan.gains.bounds
+    best = [
+        best_springs(
+            cycle.q, total, center=cycle.q.mean(axis=0), period=motion.period, bounds=bounds
+        )
+        for cycle, total, motion in zip(cycles, totals, run.motions, strict=True)
+    ]
+    # All motions in a row, each with the weight of its time steps in a cycle.
+    q, total = np.concatenate([cycle.q for cycle in cycles]), np.concatenate(totals)
+    common = fit(q, total, bounds, q.mean(axis=0))
+    left = [total, total - common.torque(q), np.concatenate([one.torque for one in best])]
+    motions = [
+        _of_motion(cycle, one, plan.robot.joints) for cycle, one in zip(cycles, best, strict=True)
+    ]
+    return SpringParts(
+        name=run.experiment.name,
+        joints=plan.robot.joints,
+        motions=tuple(motions),
+        worth=np.array([(torque**2).sum(axis=1).mean() for torque in left]),
+        common=common,
+    )
+
+
+def _total(cycle: Cycle, elements: tuple[Element, ...]) -> np.ndarray:
+    """Torque of motors and springs together in a cycle (N, n) [N m]."""
+    others = Elements(elements, cycle.parameters)
+    acting = LinearSprings(cycle.stiffness, cycle.offset, cycle.center, others)
+    return cycle.tau + acting.torque(cycle.q)
+
+
+def _of_motion(cycle: Cycle, best: Optimum, joints: tuple[str, ...]) -> PartsOfMotion:
+    ranges = [best.stiffness_range(rise) for rise in RISES]
+    own = LinearSprings(best.stiffness, best.offset, best.center)
+    exerted, parts = own.torque(cycle.q), []
+    for j, joint in enumerate(joints):
+        k, rest = float(best.stiffness[j]), float(best.equilibrium[j])
+        peak = float(np.abs(exerted[:, j]).max())
+        if not k and not peak:
+            continue
+        ends = [(float(each[j, 0]), float(each[j, 1])) for each in ranges]
+        away = cycle.q[:, j] - rest
+        stored = peak**2 / (2 * abs(k)) if k else np.inf
+        travel = float(away.min()), float(away.max())
+        parts.append(Part(joint, k, tuple(ends), rest, peak, travel, stored))
+    others = best.springs.others
+    for (element, p), rest in zip(others.each(), others.rest(), strict=True):
+        parts.append(_of_element(element, p, rest, cycle.q))
+    pairs = best.torque_without_springs, best.torque
+    return PartsOfMotion(
+        motion=cycle.motion + 1,
+        parts=tuple(parts),
+        rms=np.array([np.sqrt((torque**2).mean(axis=0)) for torque in pairs]),
+        peak=np.array([np.abs(torque).max(axis=0) for torque in pairs]),
+        power=np.array([np.abs(torque * cycle.dq).sum(axis=1).mean() for torque in pairs]),
+        q=cycle.q,
+        needed=best.torque + exerted,
+    )
+
+
+def _of_element(element: Element, p: np.ndarray, rest: float, q: np.ndarray) -> Part:
+    length = q @ element.radii
+    force = element.forces(q) @ p
+    away = length - rest
+    return Part(
+        element.name,
+        float(p[0]),
+        None,
+        rest,
+        float(np.abs(force).max()),
+        (float(away.min()), float(away.max())),
+        _stored(element, p, length),
+    )
+
+
+def _stored(element: Element, p: np.ndarray, length: np.ndarray) -> float:
+    """Most that an element stores above its least along a motion, or at rest [J]."""
+    x = length - element.center
+    if len(p) == 1:
+        beyond = x if element.kind == "above" else -x
+        return float(p[0] * max(beyond.max(), 0.0) ** 2 / 2)
+    force = np.polynomial.Polynomial([p[-1], *-p[:-1]])
+    stored = -force.integ()
+    rests = [root.real for root in force.roots() if abs(root.imag) < 1e-9]
+    lowest = min(stored(x).min(), *(stored(root) for root in rests), np.inf)
+    return float(stored(x).max() - lowest)
