@@ -89,6 +89,8 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     names, slides = run.data["joint"].values, run.data["slides"].values
     for place, figure in enumerate(("stiffness", "offset", "equilibrium")):
         for j, name in enumerate(names):
+            if not any(one.stiffness_least[j] or one.stiffness_most[j] for one in motions):
+                continue  # a joint without a spring of its own
             unit = (SLIDE if slides[j] else HINGE)[place]
             row(f"{figure} {name} [{unit}]", figure, 1, 3, j)
             if figure == "stiffness":

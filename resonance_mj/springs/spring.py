@@ -90,6 +90,8 @@ def nearest(
     for edge in range(4):
         if edge < 2:
             slope = low if edge == 0 else high
+            if weight + slope * slope == 0.0:
+                continue
             at_k = (weight * k + slope * offset) / (weight + slope * slope)
             at_k = min(max(at_k, k_min), k_max)
             at_offset = slope * at_k

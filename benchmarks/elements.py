@@ -1,0 +1,68 @@
+"""What kinds of springs leave to the motors, on the project's arms: the table of docs/springs.md.
+
+    python benchmarks/elements.py
+
+The optimum of each desired motion by inverse dynamics, with stiffness >= 0: torque² [N² m²], mean
+|τ q̇| of all motors [W] and the largest torque [N m].
+"""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+
+import resonance_mj as rmj
+from resonance_mj.plan.plan import plan_for
+
+EXPERIMENTS = (
+    "two-link-transfer",
+    "planar-three-link",
+    "scara",
+    "six-joint",
+    "six-joint-pose",
+    "seven-joint",
+    "seven-joint-pose",
+)
+
+
+def kinds(plan):
+    """What each kind of springs on a plan's arm changes in its experiment."""
+    joints, home = plan.robot.joints, plan.joints[0].q.mean(axis=0)
+    slopes = [
+        {"name": f"{joint} {kind}", "kind": kind, "joints": [joint], "rest": float(angle)}
+        for joint, angle in zip(joints, home, strict=True)
+        for kind in ("above", "below")
+    ]
+    own = {joint: {"kind": "adjustable"} for joint in joints}
+    none = {joint: {"kind": "none"} for joint in joints}
+    return {
+        "none": {"springs.joint": none},
+        "linear": {},
+        "cubic": {"springs.element": [{"kind": "cubic", "joints": [j]} for j in joints]},
+        "two slopes": {"springs.element": slopes, "springs.joint": own},
+        "and neighbours": {"springs.element": [{"joints": list(two)} for two in pairwise(joints)]},
+        "and all pairs": {
+            "springs.element": [{"joints": list(two)} for two in combinations(joints, 2)]
+        },
+    }
+
+
+def main():
+    """Print the table."""
+    for name in EXPERIMENTS:
+        experiment = rmj.load(name).replace({"springs.stiffness": [0.0, np.inf]})
+        each = kinds(plan_for(experiment))
+        if name == EXPERIMENTS[0]:
+            print(f"| motion | {' | '.join(each)} |\n|---|{'---|' * len(each)}")
+        plans = [plan_for(experiment.replace(changes)) for changes in each.values()]
+        for number in range(len(experiment.motion)):
+            cells = [_cell(plan.optima[number], plan.joints[number].dq) for plan in plans]
+            print(f"| {name} {number + 1} | {' | '.join(cells)} |", flush=True)
+
+
+def _cell(best, dq):
+    power = np.abs(best.torque * dq).sum(axis=1).mean()
+    return f"{best.torque_squared:.4g}, {power:.3g} W, {np.abs(best.torque).max():.3g}"
+
+
+if __name__ == "__main__":
+    main()
