@@ -100,9 +100,9 @@ def _guarded(command: Command, law: Callable[..., None]) -> Command:
         register_jitable(boundscheck=True)(function)
 
     @register_jitable
-    def guarded(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+    def guarded(memory: np.ndarray) -> None:
         try:
-            command(memory, qpos, qvel)
+            command(memory)
         except Exception:
             memory[Header.FAILED_STEP] = memory[Header.STEP] + 1.0
             memory[Header.FAILED_JOINT] = -1.0

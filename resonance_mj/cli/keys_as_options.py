@@ -16,6 +16,9 @@ HELP = (
     "`resonance-mj keys` lists them."
 )
 
+ALONE = ("name", "reality")
+"""Keys without a section: a text each, reality of a preset."""
+
 EXPERIMENT = argument(
     "experiment", "a built-in name, a TOML file, or an arm", metavar="NAME|PATH", nargs="?"
 )
@@ -46,7 +49,7 @@ def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:
     tokens = iter(arguments)
     for token in tokens:
         key, equals, text = token.removeprefix("--").partition("=")
-        if not token.startswith("--") or not ("." in key or key == "name"):
+        if not token.startswith("--") or not ("." in key or key in ALONE):
             rest.append(token)
             continue
         if not equals:
@@ -55,7 +58,7 @@ def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:
                 key = cut(key)
                 raise ExperimentError(f"--{key}: a value must follow, as in --{key}=VALUE")
             text = following
-        changes[key] = text if key == "name" else value(text)
+        changes[key] = text if key in ALONE else value(text)
     return changes, rest
 
 

@@ -13,6 +13,7 @@ from . import toml
 from .expectations import Expect, Expected
 from .law_section import Law
 from .motion_section import MOST_CYCLES, Motion
+from .reality_section import Reality
 from .sections import Robot, Section, Simulation, Task
 from .springs_section import Element, JointSpring, Springs
 from .validation import plain, validated
@@ -35,6 +36,7 @@ class Experiment(Section):
     motion: Annotated[tuple[Motion, ...], Field(min_length=1, max_length=1000)] = (Motion(),)
     law: Law = Law()
     springs: Springs = Springs()
+    reality: Reality = Reality()
     expect: Expect = Expect()
 
     @model_validator(mode="after")
@@ -153,6 +155,7 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "springs": Springs,
     "springs.joint.NAME": JointSpring,
     "springs.element": Element,
+    "reality": Reality,
     "expect": Expect,
     "expect.stiffness": Expected,
 }

@@ -12,13 +12,13 @@ import numpy as np
 from ..motions import rotations
 from ..springs import spring as springs
 from ..step_functions import step_function
-from . import equations
+from . import equations, sensing
 from .memory import Header
 from .memory import own as views
 from .memory import row as record
 
 Command = Callable[..., None]
-"""Sets y and τ in the memory from (memory, qpos, qvel)."""
+"""Sets y and τ in the memory, from what is measured there."""
 
 
 @step_function
@@ -42,6 +42,9 @@ def act(
 ) -> None:
     """Measure the errors, set the motor torque (4), record the step, adapt the springs (6), (7).
 
+    Where the arm is a real one, the law acts on what its sensors say, and holds its torque between
+    its own steps; what is recorded is what the arm does.
+
     Args:
         memory: the controller's block; its `jacobian` is the tool's, current (6, dofs).
         qpos: mjData.qpos.
@@ -54,8 +57,21 @@ def act(
     own = views(memory)
     row = record(memory, own.n, own.m, own.step)
     k, offset, q_c = own.stiffness, own.offset, own.q_c
-    measure(memory, qvel, tool, orientation, row.x)
-    command(memory, qpos, qvel)
+    if own.slots == 0:
+        for j in range(own.n):
+            own.angle[j] = qpos[int(own.qpos_address[j])]
+            own.speed[j] = qvel[int(own.dof_address[j])]
+        measure(memory, qvel, tool, orientation, row.x)
+        command(memory)
+    else:
+        sensing.remember(memory, qpos, qvel, tool, orientation)
+        if own.clock % own.hold == 0:
+            sensing.sense(memory)
+            measure(memory, own.qvel_seen, own.tool_seen, own.orientation_seen, row.x)
+            command(memory)
+            own.commanded[:] = own.tau
+        sensing.exert(memory)
+        locate(memory, tool, orientation, row.x)
     if failed(memory):
         return
     for j in range(own.n):
@@ -111,7 +127,8 @@ def measure(
                     own.J[i, int(own.leader[dof])] += own.ratio[dof] * own.jacobian[axis, dof]
                     own.rate[i] += own.jacobian[axis, dof] * qvel[dof]
         if axis < 3 and own.difference:
-            own.rate[i] = (tool[axis] - own.before[axis]) / own.timestep - own.dx_desired[i]
+            passed = own.timestep if own.slots == 0 else own.hold * own.timestep
+            own.rate[i] = (tool[axis] - own.before[axis]) / passed - own.dx_desired[i]
             own.before[axis] = tool[axis]
     if own.rotates:
         rotations.rotation(own.x_desired[own.m - 3 :], own.orientation, own.desired)
@@ -120,7 +137,18 @@ def measure(
 
 
 @step_function
-def standard(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+def locate(memory: np.ndarray, tool: np.ndarray, orientation: np.ndarray, x: np.ndarray) -> None:
+    """Where the tool is, to `x` (m,)."""
+    own = views(memory)
+    for i in range(own.m):
+        if int(own.coordinate[i]) < 3:
+            x[i] = tool[int(own.coordinate[i])]
+    if own.rotates:
+        rotations.rotation_vector(orientation, own.orientation, x[own.m - 3 :])
+
+
+@step_function
+def standard(memory: np.ndarray) -> None:
     """Error signal y (8) and motor torque τ (4)."""
     own = views(memory)
     positions = own.m - 3 if own.rotates else own.m
@@ -135,24 +163,28 @@ def standard(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
         equations.error_transpose(own.J, own.rate, own.alpha, own.s, own.y)
     else:
         for j in range(own.n):
-            away = qpos[int(own.qpos_address[j])] - own.posture[j]
-            own.drift[j] = qvel[int(own.dof_address[j])] + own.alpha_0 * away
+            own.drift[j] = own.speed[j] + own.alpha_0 * (own.angle[j] - own.posture[j])
         equations.error_damped(
             own.J, own.rate, own.alpha, own.s, own.drift, own.usual, own.work, own.y
         )
     equations.motor_torque(own.J, own.k_v, own.k_p, own.rate, own.s, own.learned, own.tau)
-    if own.inertial:
+    if own.inertial and own.filtered == 0.0:
         equations.inertial_feedback(own.feedback, own.y, own.tau)
+    elif own.inertial:
+        for j in range(own.n):
+            own.slow[j] += own.filtered * (own.y[j] - own.slow[j])
+            own.slower[j] += own.filtered * (own.slow[j] - own.slower[j])
+        equations.inertial_feedback(own.feedback, own.slower, own.tau)
 
 
 @step_function
-def joint_space(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+def joint_space(memory: np.ndarray) -> None:
     """Error signal y = Δq̇ + α s(Δq) and motor torque τ = u - G Δq̇ - G_p s(Δq), given q_d."""
     own = views(memory)
     error, rate, s = own.q, own.dq, own.drift
     for j in range(own.n):
-        error[j] = qpos[int(own.qpos_address[j])] - own.q_desired[j]
-        rate[j] = qvel[int(own.dof_address[j])] - own.dq_desired[j]
+        error[j] = own.angle[j] - own.q_desired[j]
+        rate[j] = own.speed[j] - own.dq_desired[j]
     equations.saturation(error, s)
     for j in range(own.n):
         own.y[j] = rate[j] + own.alpha * s[j]
@@ -187,6 +219,7 @@ def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.nda
         return
     memory[Header.STAGE] = 0.0
     memory[Header.STEP] += 1.0
+    memory[Header.CLOCK] += 1.0
     write_springs(memory, jnt_stiffness, qpos_spring)
 
 

@@ -161,11 +161,10 @@ def _arguments(file: str, name: str, function: object) -> tuple[str, ...]:
 def _adapted(custom: Callable[..., None]) -> Command:
     """A custom `command` as the control step calls it."""
 
-    def command(memory: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+    def command(memory: np.ndarray) -> None:
         own = views(memory)
-        for j in range(own.n):
-            own.q[j] = qpos[int(own.qpos_address[j])]
-            own.dq[j] = qvel[int(own.dof_address[j])]
+        own.q[:] = own.angle
+        own.dq[:] = own.speed
         custom(
             own.J, own.error, own.rate, own.q, own.dq, own.learned, own.parameters, own.y, own.tau
         )

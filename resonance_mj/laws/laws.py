@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from ..experiments.experiment import Experiment
-from . import custom_law, learning
+from . import custom_law, learning, tuning
 from .controller import Command, joint_space, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
@@ -71,8 +71,11 @@ def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment, q: str = "q")
 
 def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """What a spring can exert of the learned torque is handed to the spring."""
+    found = cycle.tuning if cycle.passing else tuning.tuned(cycle.tuning, cycle, gains)
     v = _learned_torque(cycle, gains)
-    return learning.transfer(v, cycle.q, cycle.springs, gains.bounds)
+    # What was measured was so much before.
+    q = np.roll(cycle.q, -found.delay, axis=0)
+    return learning.transfer(v, q, cycle.springs, gains.bounds)._replace(tuning=found)
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
@@ -83,9 +86,10 @@ def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
     """
     low, high = gains.torque_limit.T
     at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean()
-    pace = max(0.0, 1.0 - at_limit / LIMITED)
+    pace = cycle.tuning.share * max(0.0, 1.0 - at_limit / LIMITED)
+    lead = gains.lead if cycle.tuning.lead is None else cycle.tuning.lead
     v = learning.learned_torque(
-        cycle.u, cycle.y, gain=pace * gains.learning, lead=gains.lead, harmonics=gains.harmonics
+        cycle.u, cycle.y, gain=pace * gains.learning, lead=lead, harmonics=gains.harmonics
     )
     return np.clip(v, low, high)
 

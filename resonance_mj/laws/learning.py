@@ -9,6 +9,7 @@ from ..experiments.experiment import Experiment
 from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, fit, spring_like_part
 from .gains import Gains
+from .tuning import Tuning
 
 
 class Cycle(NamedTuple):
@@ -28,6 +29,14 @@ class Cycle(NamedTuple):
     """At the end of the cycle."""
     q_s: np.ndarray
     """Centre of the regressor of (9), (10) (n,) [rad]."""
+    timestep: float = 0.0
+    """Between two samples [s]."""
+    hold: int = 1
+    """Time steps of a control period."""
+    tuning: Tuning = Tuning()
+    """What is known of the loop."""
+    passing: bool = False
+    """Whether it is part of the passage into a motion."""
 
 
 class Learned(NamedTuple):
@@ -37,6 +46,8 @@ class Learned(NamedTuple):
     """Learned torque (N, n) [N m]."""
     springs: LinearSprings
     """That it begins with."""
+    tuning: Tuning | None = None
+    """What is known of the loop, if the law looks for it."""
 
 
 Learn = Callable[[Cycle, Gains, Experiment], Learned]

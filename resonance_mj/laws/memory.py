@@ -24,21 +24,25 @@ from ..step_functions import step_function
 
 _SHAPES: dict[tuple[str, ...], str] = {
     # of robot, law and springs: `before` is the position of the tool a time step ago
-    ("three",): "before",
-    ("three", "three"): "orientation desired",
+    ("three",): "before tool_seen",
+    ("three", "three"): "orientation desired orientation_seen",
     ("joints",): "qpos_address dof_address joint_id actuator_id posture torque_limit tau_min "
-    "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq",
+    "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq "
+    "angle speed angle_before seen commanded slow slower",
     ("coordinates",): "coordinate k_v k_p error rate s",
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",
     ("six", "dofs"): "jacobian",
-    ("dofs",): "leader ratio",  # of a dof that follows the arm's: which, and how fast; else -1, 0
+    ("dofs",): "leader ratio qvel_seen",  # leader: of a dof that follows the arm's; else -1, 0
+    ("slots", "wide"): "ring",  # of what was measured a delay ago
+    ("slots", "joints"): "torques",
     ("parameters",): "parameters",
     ("more", "more"): "work",
     # tables over the cycle
     ("steps", "coordinates"): "x_desired dx_desired",
     ("steps", "joints"): "q_desired dq_desired learned",
     ("steps", "columns"): "record",
+    ("noisy", "joints"): "noise",
 }
 
 ARRAYS = {name: shape for shape, names in _SHAPES.items() for name in names.split()}
@@ -72,6 +76,14 @@ _SCALARS = (
     "length",  # in which s measures position errors [m]
     "alpha",
     "alpha_0",
+    "filtered",  # what the feedback's filters take over of y in a control period; 0 for none
+    "slots",  # of the rings; 0 where the law sees what is and acts at once
+    "delay",  # of measurement [time steps]
+    "torque_delay",  # [time steps]
+    "hold",  # time steps of a control period
+    "resolution",  # of the encoders [rad]
+    "differs",  # 1 for joint velocities as differences of angles
+    "clock",  # time steps since the run began
     "timestep",
     "stages",  # callbacks per time step: 1, or 4 under RK4
     "stage",  # callbacks since the time step began
@@ -98,6 +110,8 @@ class Layout:
     dofs: int
     steps: int
     parameters: int = 0
+    noisy: int = 0
+    slots: int = 0
     three: int = 3
     six: int = 6
 
@@ -105,6 +119,11 @@ class Layout:
     def more(self) -> int:
         """One more than the joints and than the coordinates."""
         return max(self.joints, self.coordinates) + 1
+
+    @property
+    def wide(self) -> int:
+        """Numbers that a state is: angles, velocities, the tool's place and its Jacobian."""
+        return self.joints + 7 * self.dofs + 12
 
     @property
     def columns(self) -> int:
@@ -129,7 +148,13 @@ class Layout:
 def layout_of(experiment: Experiment, joints: int, coordinates: int, dofs: int) -> Layout:
     """Sizes of the block for an experiment, on an arm with so many joints, coordinates, dofs."""
     steps = max(motion.steps(experiment.simulation.timestep) for motion in experiment.motion)
-    return Layout(joints, coordinates, dofs, steps, parameters=len(experiment.law.parameters))
+    reality, dt = experiment.reality, experiment.simulation.timestep
+    noisy = slots = 0
+    if reality.sensed:
+        delays = (reality.steps(key, dt) for key in ("measurement_delay", "torque_delay"))
+        noisy, slots = steps, 1 + max(delays)
+    parameters = len(experiment.law.parameters)
+    return Layout(joints, coordinates, dofs, steps, parameters, noisy=noisy, slots=slots)
 
 
 class Memory:
@@ -146,7 +171,7 @@ class Memory:
         self._block = userdata[:, begin:-2]
         userdata[:, -2] = begin
         userdata[:, -1] = SIGNATURE
-        for name in ("joints", "coordinates", "dofs", "columns", "more"):
+        for name in ("joints", "coordinates", "dofs", "columns", "more", "slots"):
             self.scalar(name)[:] = getattr(layout, name)
         self.scalar("parameters_given")[:] = layout.parameters
         self._views: dict[str, np.ndarray] = {}
@@ -200,7 +225,10 @@ def matrix(memory: np.ndarray, start: float, rows: int, columns: int) -> np.ndar
 
 _named: Any = namedtuple  # whose names a type checker cannot follow
 
-_NUMBERS = "n m dofs step site rotates form difference inertial usual length alpha alpha_0 timestep"
+_NUMBERS = (
+    "n m dofs step site rotates form difference inertial usual length alpha alpha_0 timestep "
+    "filtered slots delay torque_delay hold resolution differs clock"
+)
 _VIEWS = [name for name in ARRAYS if name != "record"]
 Own = _named("Own", [*_NUMBERS.split(), "speed_limit", *_VIEWS])
 """The numbers of the header that the law is tuned by, and a view of each array."""
@@ -217,10 +245,11 @@ def own(memory: np.ndarray) -> Any:
     """
     n, m = int(memory[Header.JOINTS]), int(memory[Header.COORDINATES])
     step, more = int(memory[Header.STEP]), int(memory[Header.MORE])
+    slots, dofs = int(memory[Header.SLOTS]), int(memory[Header.DOFS])
     return Own(
         n=n,
         m=m,
-        dofs=int(memory[Header.DOFS]),
+        dofs=dofs,
         step=step,
         site=int(memory[Header.SITE]),
         rotates=memory[Header.ROTATES] == 1.0,
@@ -232,6 +261,14 @@ def own(memory: np.ndarray) -> Any:
         alpha=memory[Header.ALPHA],
         alpha_0=memory[Header.ALPHA_0],
         timestep=memory[Header.TIMESTEP],
+        filtered=memory[Header.FILTERED],
+        slots=slots,
+        delay=int(memory[Header.DELAY]),
+        torque_delay=int(memory[Header.TORQUE_DELAY]),
+        hold=int(memory[Header.HOLD]),
+        resolution=memory[Header.RESOLUTION],
+        differs=memory[Header.DIFFERS] == 1.0,
+        clock=int(memory[Header.CLOCK]),
         speed_limit=memory[Header.SPEED_LIMIT],
         qpos_address=vector(memory, memory[Header.QPOS_ADDRESS], n),
         dof_address=vector(memory, memory[Header.DOF_ADDRESS], n),
@@ -263,9 +300,22 @@ def own(memory: np.ndarray) -> Any:
         q_desired=vector(memory, memory[Header.Q_DESIRED] + step * n, n),
         dq_desired=vector(memory, memory[Header.DQ_DESIRED] + step * n, n),
         learned=vector(memory, memory[Header.LEARNED] + step * n, n),
-        jacobian=matrix(memory, memory[Header.JACOBIAN], 6, int(memory[Header.DOFS])),
-        leader=vector(memory, memory[Header.LEADER], int(memory[Header.DOFS])),
-        ratio=vector(memory, memory[Header.RATIO], int(memory[Header.DOFS])),
+        jacobian=matrix(memory, memory[Header.JACOBIAN], 6, dofs),
+        leader=vector(memory, memory[Header.LEADER], dofs),
+        ratio=vector(memory, memory[Header.RATIO], dofs),
+        qvel_seen=vector(memory, memory[Header.QVEL_SEEN], dofs),
+        tool_seen=vector(memory, memory[Header.TOOL_SEEN], 3),
+        orientation_seen=matrix(memory, memory[Header.ORIENTATION_SEEN], 3, 3),
+        ring=matrix(memory, memory[Header.RING], slots, n + 7 * dofs + 12),
+        torques=matrix(memory, memory[Header.TORQUES], slots, n),
+        noise=vector(memory, memory[Header.NOISE] + step * n, n),
+        angle=vector(memory, memory[Header.ANGLE], n),
+        speed=vector(memory, memory[Header.SPEED], n),
+        angle_before=vector(memory, memory[Header.ANGLE_BEFORE], n),
+        seen=vector(memory, memory[Header.SEEN], n),
+        commanded=vector(memory, memory[Header.COMMANDED], n),
+        slow=vector(memory, memory[Header.SLOW], n),
+        slower=vector(memory, memory[Header.SLOWER], n),
         J=matrix(memory, memory[Header.J], m, n),
         error=vector(memory, memory[Header.ERROR], m),
         rate=vector(memory, memory[Header.RATE], m),

@@ -28,6 +28,7 @@ from .filling import Left, adapting, growing, without_passage
 from .holding import holding
 from .inputs import Input, gather
 from .passages import passages
+from .rubbing import rubbing
 
 T = TypeVar("T")
 
@@ -76,7 +77,8 @@ class Plan:
         experiment, bounds, found = self.experiment, self.gains.bounds, []
         each = zip(experiment.motion, self.joints, self.loaded, strict=True)
         for index, (motion, joints, loaded) in enumerate(each):
-            load = index, motion.payload, experiment.simulation.gravity
+            friction = experiment.reality.friction
+            load = index, motion.payload, experiment.simulation.gravity, friction
             torque = self._shared(load, partial(loaded.torque, joints))
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
@@ -287,6 +289,7 @@ def plan_for(
         _followed={} if followed is None else followed,
         _warned=warned,
     )
+    plan = replace(plan, loaded=rubbing(experiment, lambda: plan.joints, plan.loaded))
     return replace(plan, experiment=growing(experiment, robot, lambda: plan.optima, warned))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..laws.memory import Memory
+from ..laws.tuning import Tuning
 from ..plan.plan import Plan
 from ..robots.reach import reach as arm_reach
 from ..springs.bounds import Bounds
@@ -16,7 +17,7 @@ from ..text import shown
 def load_law(memory: Memory, index: int, plan: Plan) -> None:
     """Write the robot's indices, the gains, the bounds and the first springs into the memory."""
     experiment, robot, chosen = plan.experiment, plan.robot, plan.gains
-    law, bounds = experiment.law, chosen.bounds
+    law, bounds, reality = experiment.law, chosen.bounds, experiment.reality
     for name in ("qpos_address", "dof_address", "joint_id", "actuator_id", "coordinate"):
         memory[name][index] = getattr(robot, name)
     memory["leader"][index] = -1
@@ -52,6 +53,11 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("alpha", chosen.alpha),
         ("alpha_0", chosen.alpha_0),
         ("timestep", dt),
+        ("delay", reality.steps("measurement_delay", dt)),
+        ("torque_delay", reality.steps("torque_delay", dt)),
+        ("hold", reality.steps("control_period", dt)),
+        ("resolution", reality.encoder_resolution),
+        ("differs", reality.velocity == "difference"),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
         ("speed_limit", 1.0 / dt),
     ):
@@ -98,6 +104,24 @@ def _first_of_joints(plan: Plan) -> LinearSprings:
     return LinearSprings(k, k * np.where(angle == 0.0, inside, away), q_c)
 
 
+def load_tuning(memory: Memory, index: int, plan: Plan, tuning: Tuning) -> None:
+    """Write the gains that act into the memory, with what the law has found of its loop."""
+    chosen, reality = plan.gains, plan.experiment.reality
+    for name in ("k_v", "k_p", "feedback"):
+        memory[name][index] = tuning.share * getattr(chosen, name)
+    dt = plan.experiment.simulation.timestep
+    period = reality.steps("control_period", dt) * dt
+    memory.scalar("filtered")[index] = tuning.coefficient(chosen.omega, period)
+
+
+def load_noise(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
+    """Write what the encoders will be off by in a cycle of the run into the memory."""
+    reality, noise = plan.experiment.reality, memory["noise"]
+    if noise.size and reality.encoder_noise:
+        generator = np.random.default_rng([reality.seed, cycle])
+        noise[index] = reality.encoder_noise * generator.standard_normal(noise[index].shape)
+
+
 def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
     """Write the tables of a cycle of the run into the memory, and what its law is told of it."""
     samples = plan.desired(cycle)
@@ -105,12 +129,13 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
     memory["x_desired"][index, :steps] = samples.x
     memory["dx_desired"][index, :steps] = samples.dx
     if plan.gains.velocity == "difference":
-        positions = len(plan.robot.position_axes)
-        # A passage does not begin where it ends.
-        first = samples.x[0] - samples.dx[0] * plan.experiment.simulation.timestep
-        before = samples.x[-1] if plan.blending(cycle) is None else first
-        moved = np.diff(samples.x, axis=0, prepend=before[None])
-        velocity = moved / plan.experiment.simulation.timestep
+        positions, dt = len(plan.robot.position_axes), plan.experiment.simulation.timestep
+        hold = plan.experiment.reality.steps("control_period", dt)
+        before = samples.x[-hold:]
+        if plan.blending(cycle) is not None:  # it does not begin where it ends
+            before = samples.x[0] - np.arange(hold, 0, -1)[:, None] * samples.dx[0] * dt
+        moved = samples.x - np.concatenate([before, samples.x[:-hold]])
+        velocity = moved / (hold * dt)
         memory["dx_desired"][index, :steps, :positions] = velocity[:, :positions]
     told, segment = plan.law.told, plan.schedule[cycle]
     if "joints" in told:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..errors import ExperimentError
-from ..laws import controller, learning
+from ..laws import controller, learning, tuning
 from ..laws.memory import COLUMNS, Memory
 from ..plan.plan import Plan
 from ..results.motions import motions
@@ -13,7 +13,7 @@ from ..springs.fit import LinearSprings
 from ..status import Status
 from .continuing import Start
 from .ending import calmer, ending, hindrances, named
-from .loading import first_springs, load_law, load_motion, load_springs
+from .loading import first_springs, load_law, load_motion, load_noise, load_springs, load_tuning
 from .recording import Recording
 from .stepper import Stepper
 
@@ -45,6 +45,7 @@ class Member:
         stepper.start(index, plan.robot.qpos)
         load_law(memory, index, plan)
         self._others = first_springs(plan).others
+        self._tuning = tuning.Tuning()
         if start is not None:
             self._go_on_from(start)
 
@@ -69,11 +70,16 @@ class Member:
         passed, self._passing = self._passing, plan.blending(cycle) is not None
         if begins:
             model[index] = plan.loaded[segment].robot.model
+        if begins:
+            dt = plan.experiment.simulation.timestep
+            self._tuning = tuning.begun(self._tuning, plan.gains, dt)
+            load_tuning(self._memory, index, plan, self._tuning)
         if begins or passed or self._passing:
             load_motion(self._memory, index, plan, cycle)
             if "springs" in plan.law.told:
                 self._others = plan.optima[segment].springs.others
         elastic.write(model[index], self._others)
+        load_noise(self._memory, index, plan, cycle)
         controller.write_springs(
             self._memory.block(index), model[index].jnt_stiffness, model[index].qpos_spring
         )
@@ -148,22 +154,40 @@ class Member:
     def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
         """Replace the learned torque of a cycle by that of the next; short passages teach none."""
         memory, index, plan = self._memory, self._index, self.plan
-        learned = signals["u"]
+        learned, reality = signals["u"], plan.experiment.reality
+        dt = plan.experiment.simulation.timestep
         if not self._passing or plan.experiment.motion[plan.schedule[cycle]].gradual:
             done = learning.Cycle(
                 u=learned,
                 y=signals["y"],
-                q=signals["q"],
+                q=self._seen(signals["q"]),
                 tau=signals["tau"],
                 q_desired=memory["q_desired"][index, : len(learned)],
                 springs=springs,
                 q_s=plan.q_s,
+                timestep=dt,
+                hold=reality.steps("control_period", dt),
+                tuning=self._tuning,
+                passing=self._passing,
             )
-            learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
+            learned, springs, found = plan.law.learn(done, plan.gains, plan.experiment)
+            if found is not None:
+                self._tuning = found
+                load_tuning(memory, index, plan, found)
             load_springs(memory, index, springs, plan.gains.bounds)
             self._others = springs.others
         following = plan.steps(plan.schedule[cycle + 1])
         memory["learned"][index, :following] = learning.resample(learned, following)
+
+    def _seen(self, q: np.ndarray) -> np.ndarray:
+        """Joint angles of a cycle (N, n) as they were measured; it is taken to follow its like."""
+        reality, dt = self.plan.experiment.reality, self.plan.experiment.simulation.timestep
+        if not reality.sensed:
+            return q
+        late = np.roll(q, reality.steps("measurement_delay", dt), axis=0)
+        angle = late + self._memory["noise"][self._index, : len(q)]
+        step = reality.encoder_resolution
+        return step * np.round(angle / step) if step else angle
 
     def _what_diverged(self, cycle: int, failed: int) -> str:
         """Which joint failed, when, why, and what to try; empty if none did."""

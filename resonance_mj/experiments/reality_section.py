@@ -1,0 +1,96 @@
+"""The section [reality]: what sensors, timing and joints of a real arm do that ideal ones don't."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from ..text import listed, nearest, shown
+from .sections import Section
+
+Share = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False, strict=True)]
+Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
+Radians = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
+
+BITS_17 = 4.793689962142628e-05
+BITS_12 = 1.5339807878856412e-03
+"""Resolution of an encoder of 17, 12 bits: 2π / 2^17, 2π / 2^12 [rad]."""
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "encoder": {"encoder_resolution": BITS_17, "encoder_noise": 1e-4},
+    "lab": {
+        "encoder_resolution": BITS_17,
+        "encoder_noise": 1e-4,
+        "measurement_delay": 0.002,
+        "control_period": 0.002,
+        "friction": 0.01,
+    },
+    "cheap": {
+        "encoder_resolution": BITS_12,
+        "encoder_noise": 1e-3,
+        "measurement_delay": 0.005,
+        "control_period": 0.005,
+        "friction": 0.1,
+    },
+}
+"""Imperfections by name: of good encoders alone, of an arm in a laboratory, of hobby servos."""
+
+
+class Reality(Section):
+    """What the law has to live with and is not told; all off if not given.
+
+    In a file `reality = "lab"` in place of the table takes a preset: encoder, lab or cheap.
+    """
+
+    preset: Literal["encoder", "lab", "cheap"] | None = None
+    """encoder: 17 bits and noise of 1e-4 rad; lab: that, 2 ms of delay, control at 500 Hz, 1 %
+    friction; cheap: 12 bits, noise of 1e-3 rad, 5 ms of delay, control at 200 Hz, 10 % friction.
+    What is given beside it counts more."""
+    seed: Annotated[int, Field(ge=0, le=2**31)] = 0
+    """Of the noise: the same seed gives the same numbers."""
+    encoder_resolution: Radians = 0.0
+    """Step of the joints' encoders [rad]; 2π / 2^17 = 4.79e-5 for 17 bits."""
+    encoder_noise: Radians = 0.0
+    """Standard deviation of a measured joint angle, anew at each control step [rad]."""
+    velocity: Literal["difference", "sensor"] = "difference"
+    """How joint velocities are measured where angles are not exact: as the difference of two angles
+    in a row over a control period, or by exact sensors."""
+    measurement_delay: Seconds = 0.0
+    """How old the measured state is when the law acts on it [s]."""
+    torque_delay: Seconds = 0.0
+    """How long after the law's step motors exert its torque [s]."""
+    control_period: Seconds = 0.0
+    """Time from one step of the law to the next, in which its torque is held [s]; every time step
+    if 0."""
+    friction: Share = 0.0
+    """Dry friction of each joint, as a share of the largest torque that it needs without springs
+    or friction."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_preset(cls, given: Any) -> Any:
+        if isinstance(given, str):
+            given = {"preset": given}
+        if not isinstance(given, dict) or (name := given.get("preset")) is None:
+            return given
+        if name not in PRESETS:
+            raise ValueError(
+                f"{shown(name)}: valid presets are {listed(PRESETS)}{nearest(str(name), PRESETS)}"
+            )
+        return PRESETS[name] | given
+
+    @property
+    def sensed(self) -> bool:
+        """Whether what the law sees, or when it acts, differs from an ideal arm's."""
+        return bool(
+            self.encoder_resolution
+            or self.encoder_noise
+            or self.measurement_delay
+            or self.torque_delay
+            or self.control_period
+        )
+
+    def steps(self, key: str, timestep: float) -> int:
+        """A time of this section in time steps; 1 for a control period that is not given."""
+        return max(round(getattr(self, key) / timestep), int(key == "control_period"))

@@ -1,0 +1,237 @@
+"""What the last cycles say of the loop: its noise, its delay, and how heavy the arm really is.
+
+Between cycles the total torque changes by Δτ(t) and the error signal by Δy(t). About the motion
+the arm is M s y = Δτ - G F y e^(-sD) with G = g ω M̂ the feedback that acts, F its filter and D the
+delay of the loop, so that what would be learned of Δy, L Δy = g η ω M̂ Δy, is h Δτ with
+
+    h(jω_k) = g r η ω e^(-jω_k D) / (jω_k + g r ω F e^(-jω_k D)),    r = M̂ / M,
+
+at the harmonics ω_k of the cycle: D and r are those that fit best. Learning with a lead δ leaves
+the factor |1 - h e^(jω_k δ)| of the k-th harmonic of the error in each cycle. Noise of the encoders
+is what y has in its highest octave, where an arm does not move.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .gains import Gains
+    from .learning import Cycle
+
+NOISY = 0.03
+"""Noise in the feedback's torque², of the torque² of the cycle's harmonics, from which on it is
+reduced."""
+
+CALM = 0.01
+"""To what; it may be half or twice that before it is looked for anew."""
+
+FILTER = 5.0
+"""Cutoff of the feedback's two filters where there is noise, over its bandwidth."""
+
+CONTRACTS = 0.98
+"""Factor of what is to be learned from a cycle to the next up to which the loop is let be."""
+
+KEPT = 0.8
+"""What is kept, in a cycle, of what is known of the loop from those before."""
+
+ENOUGH = 3
+"""Pairs of cycles that tell enough of it."""
+
+MOVED = 1e-2
+"""Change of the torque from a cycle to the next, of the torque, that tells something."""
+
+SLOWEST = 2.0
+"""Least bandwidth of the feedback, over the weight α of the position error."""
+
+DELAYED = 0.3
+"""Most that the bandwidth of the feedback is of 1 / D."""
+
+FITS = 0.3
+"""Part of the loop's response that a delay and r may leave over where they explain it."""
+
+CALMER = 0.7
+"""Of the feedback's share, what is tried next where they do not."""
+
+STEPS = 128
+"""Time steps of delay that are looked for."""
+
+SHARES = 2.0 ** (-np.arange(0, 24) / 4)
+"""Shares of the feedback that are tried."""
+
+RATIOS = 2.0 ** (np.arange(-12, 5) / 4)
+"""Values of r that are tried."""
+
+
+class Tuning(NamedTuple):
+    """What a law has found of its loop, and how it acts on it."""
+
+    share: float = 1.0
+    """g: how much of the feedback's gain, and of what is learned of it, acts."""
+    lead: int | None = None
+    """Time steps that learning reads y ahead; None as the gains have it."""
+    filtered: bool = False
+    """Whether the feedback acts on filtered y."""
+    delay: int = 0
+    """Time steps of delay of the loop that were found, beyond its own of one."""
+    ratio: float = 1.0
+    """r = M̂ / M."""
+    most: float = 1.0
+    """Share that is left where learning grew, and no delay explained it."""
+    noise: float = 0.0
+    """Torque² that noise of y makes of the whole feedback, in the cycle before [N² m²]."""
+    known: tuple[np.ndarray, np.ndarray] | None = None
+    """Of each harmonic, mean |Δτ|² and Δτ* L Δy in the cycles with these gains."""
+    cycles: int = 0
+    """How many pairs of them there were."""
+    before: tuple[np.ndarray, np.ndarray] | None = None
+    """Total torque and y of the cycle before (N, n), with the same gains."""
+
+    def coefficient(self, omega: float, period: float) -> float:
+        """What the filters take over of y in a control period [s]; 0 for no filter."""
+        return 1.0 - float(np.exp(-FILTER * self.share * omega * period)) if self.filtered else 0.0
+
+
+def tuned(tuning: Tuning, cycle: Cycle, gains: Gains) -> Tuning:
+    """What the law does from the next cycle on, from what a whole cycle has shown.
+
+    Args:
+        tuning: as the cycle was made with.
+        cycle: that was made.
+        gains: of the law.
+    """
+    total = cycle.u + cycle.springs.torque(np.roll(cycle.q, -tuning.delay, axis=0))
+    noise = _noise(cycle.y[:: cycle.hold], gains.feedback)
+    found = _delayed(total, tuning, cycle, gains)
+    quiet, filtered = _quiet(min(noise, tuning.noise), tuning, cycle, gains)
+    slowest = min(1.0, SLOWEST * gains.alpha / gains.omega)
+    on_time = _on_time(found.delay, gains, cycle.timestep)
+    share = max(min(quiet, on_time, found.most), slowest)
+    if (share, filtered, found.delay) == (tuning.share, tuning.filtered, tuning.delay):
+        return found._replace(noise=noise, before=(total, cycle.y.copy()))
+    # With other gains the loop is another: its next cycle is compared with none before.
+    found = _anew(found._replace(share=share, filtered=filtered, noise=noise))
+    return found._replace(lead=_lead(found, cycle, gains))
+
+
+def begun(tuning: Tuning, gains: Gains, timestep: float) -> Tuning:
+    """As a motion begins: all the feedback that the delay allows, until learning carries it.
+
+    Args:
+        tuning: of the motion before.
+        gains: of the law.
+        timestep: [s].
+    """
+    share = min(tuning.most, _on_time(tuning.delay, gains, timestep))
+    return _anew(tuning._replace(share=share))
+
+
+def _anew(tuning: Tuning) -> Tuning:
+    return tuning._replace(known=None, cycles=0, before=None)
+
+
+def _on_time(delay: int, gains: Gains, timestep: float) -> float:
+    """Share of the feedback that a delay of so many time steps allows."""
+    most = DELAYED / (delay * timestep * gains.omega) if delay else 1.0
+    return float(min(1.0, max(most, SLOWEST * gains.alpha / gains.omega)))
+
+
+def _noise(y: np.ndarray, feedback: np.ndarray) -> float:
+    """Torque² that noise of y (N, n) at control steps makes, unfiltered, of the feedback G y."""
+    spectrum = np.fft.rfft(y, axis=0)
+    top = spectrum[len(y) // 4 :] @ feedback.T
+    # Differences of white noise have 0.82 of their variance in the highest octave.
+    return float(2 * (np.abs(top) ** 2).sum() / len(y) ** 2 / (0.5 + 1 / np.pi))
+
+
+def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[float, bool]:
+    """The largest share of the feedback whose noise is small beside the torque; whether filtered.
+
+    Args:
+        noise: as `_noise` has it.
+        tuning: as the cycle was made with.
+        cycle: that was made.
+        gains: of the law.
+    """
+    useful = float((_smooth(cycle.tau, gains) ** 2).sum(axis=1).mean())
+    if noise <= NOISY * useful and not tuning.filtered:
+        return 1.0, False
+    angle = np.linspace(0.0, np.pi, 513)[1:]
+
+    def heard(share: float) -> float:
+        """Noise in the torque² of a filtered share, of what is useful."""
+        filtered = Tuning(share=share, filtered=True)
+        a = filtered.coefficient(gains.omega, cycle.hold * cycle.timestep)
+        passed = np.abs(a / (1 - (1 - a) * np.exp(-1j * angle))) ** 4
+        return share**2 * noise * float((passed * (1 - np.cos(angle))).mean()) / useful
+
+    if tuning.filtered and CALM / 2 <= heard(tuning.share) <= 2 * CALM:
+        return tuning.share, True
+    quiet = [float(share) for share in SHARES if heard(share) <= CALM]
+    return (quiet[0] if quiet else float(SHARES[-1])), True
+
+
+def _delayed(total: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains) -> Tuning:
+    """With what the cycle adds to what is known, and where learning grows, delay and r from it."""
+    if tuning.before is None or gains.harmonics is None or len(tuning.before[0]) != len(total):
+        return tuning
+    changed, moved = total - tuning.before[0], cycle.y - tuning.before[1]
+    harmonics = slice(1, gains.harmonics + 1)
+    tau = np.fft.rfft(changed, axis=0)[harmonics]
+    answer = tuning.share * np.fft.rfft(moved, axis=0)[harmonics] @ gains.learning.T
+    weights, cross = (np.abs(tau) ** 2).sum(axis=1), (tau.conj() * answer).sum(axis=1)
+    if tuning.known is not None:
+        weights, cross = weights + KEPT * tuning.known[0], cross + KEPT * tuning.known[1]
+    found = tuning._replace(known=(weights, cross), cycles=tuning.cycles + 1)
+    if found.cycles < ENOUGH or (changed**2).sum() <= MOVED**2 * (total**2).sum():
+        return found
+    measured = cross / np.maximum(weights, np.finfo(float).tiny)
+    lead = gains.lead if tuning.lead is None else tuning.lead
+    left = np.abs(1 - measured * np.exp(1j * _rates(cycle, gains) * lead * cycle.timestep)) ** 2
+    if left @ weights <= CONTRACTS**2 * weights.sum():
+        return found
+    delays = np.arange(1, min(STEPS, len(cycle.y) // 8))
+    miss = np.abs(_loop(delays, RATIOS, tuning, cycle, gains) - measured) ** 2 @ weights
+    at, ratio = np.unravel_index(int(miss.argmin()), miss.shape)
+    if miss[at, ratio] > FITS * (np.abs(measured) ** 2 @ weights):
+        return found._replace(most=CALMER * tuning.share)
+    return found._replace(delay=int(delays[at]) - 1, ratio=float(RATIOS[ratio]))
+
+
+def _lead(tuning: Tuning, cycle: Cycle, gains: Gains) -> int | None:
+    """Time steps of lead with which learning contracts fastest in its slowest harmonic."""
+    if gains.harmonics is None:
+        return tuning.lead
+    leads = np.arange(min(STEPS, len(cycle.y) // 4))
+    ahead = np.exp(1j * np.outer(leads, _rates(cycle, gains)) * cycle.timestep)
+    delay, ratio = np.array([tuning.delay + 1]), np.array([tuning.ratio])
+    h = _loop(delay, ratio, tuning, cycle, gains)[0, 0]
+    return int(np.abs(1 - h * ahead).max(axis=1).argmin())
+
+
+def _loop(
+    delays: np.ndarray, ratios: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains
+) -> np.ndarray:
+    """Response h (delays, ratios, harmonics) of what is learned to the torque; see above."""
+    rates = _rates(cycle, gains)
+    late = np.exp(-1j * np.multiply.outer(delays * cycle.timestep, rates))[:, None, :]
+    acting = tuning.share * ratios[:, None] * gains.omega
+    cutoff = FILTER * tuning.share * gains.omega if tuning.filtered else np.inf
+    passed = 1 / (1 + 1j * rates / cutoff) ** 2
+    learned = gains.learning.trace() / gains.feedback.trace() if gains.feedback.any() else 1.0
+    return acting * learned * late / (1j * rates + acting * passed * late)
+
+
+def _rates(cycle: Cycle, gains: Gains) -> np.ndarray:
+    """The harmonics that are learned [rad/s]."""
+    assert gains.harmonics is not None
+    return 2 * np.pi * np.arange(1, gains.harmonics + 1) / (len(cycle.y) * cycle.timestep)
+
+
+def _smooth(torque: np.ndarray, gains: Gains) -> np.ndarray:
+    """A torque over a cycle (N, n) with the harmonics that are learned alone."""
+    spectrum = np.fft.rfft(torque, axis=0)
+    spectrum[(gains.harmonics or len(spectrum)) + 1 :] = 0.0
+    return np.fft.irfft(spectrum, n=len(torque), axis=0)
