@@ -86,7 +86,7 @@ def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
     """
     low, high = gains.torque_limit.T
     at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean()
-    pace = cycle.tuning.share * max(0.0, 1.0 - at_limit / LIMITED)
+    pace = cycle.tuning.pace * cycle.tuning.share * max(0.0, 1.0 - at_limit / LIMITED)
     lead = gains.lead if cycle.tuning.lead is None else cycle.tuning.lead
     v = learning.learned_torque(
         cycle.u, cycle.y, gain=pace * gains.learning, lead=lead, harmonics=gains.harmonics

@@ -37,8 +37,11 @@ CONTRACTS = 0.98
 KEPT = 0.8
 """What is kept, in a cycle, of what is known of the loop from those before."""
 
+GROWS = 1.5
+"""Factor of a change from a pair to the next from which on that pair alone tells of the loop."""
+
 ENOUGH = 3
-"""Pairs of cycles that tell enough of it."""
+"""Pairs of cycles that tell enough of it; one less where the torque changes more and more."""
 
 MOVED = 1e-2
 """Change of the torque from a cycle to the next, of the torque, that tells something."""
@@ -46,14 +49,26 @@ MOVED = 1e-2
 SLOWEST = 2.0
 """Least bandwidth of the feedback, over the weight α of the position error."""
 
-DELAYED = 0.3
-"""Most that the bandwidth of the feedback is of 1 / D."""
+DELAYED, AT_FIRST = 0.3, 0.6
+"""Most that the bandwidth of the feedback is of 1 / D, and as a motion begins."""
 
 FITS = 0.3
 """Part of the loop's response that a delay and r may leave over where they explain it."""
 
-CALMER = 0.7
-"""Of the feedback's share, what is tried next where they do not."""
+CALMER = 0.5
+"""Of the pace of learning, what is tried next where they do not."""
+
+HEAVY = 0.5
+"""r below which the feedback is made stronger: the arm is twice as heavy as it was taken to be."""
+
+SAMPLED = 0.5
+"""Most that its bandwidth then is of 1/dt."""
+
+STALLS, STALLED = 6, 0.7
+"""Cycles after which what is to be learned shall have fallen to this."""
+
+GROWN = 2.0
+"""How many times its least what is to be learned is where learning diverges, whatever is found."""
 
 STEPS = 128
 """Time steps of delay that are looked for."""
@@ -78,14 +93,20 @@ class Tuning(NamedTuple):
     """Time steps of delay of the loop that were found, beyond its own of one."""
     ratio: float = 1.0
     """r = M̂ / M."""
-    most: float = 1.0
-    """Share that is left where learning grew, and no delay explained it."""
+    pace: float = 1.0
+    """Of what is learned, where learning grew and no delay explained it."""
+    least: float = np.inf
+    """Least that was to be learned in a cycle with these gains, as a mean square [N² m²]."""
+    last: tuple[float, ...] = ()
+    """The same of the last few cycles."""
     noise: float = 0.0
     """Torque² that noise of y makes of the whole feedback, in the cycle before [N² m²]."""
     known: tuple[np.ndarray, np.ndarray] | None = None
     """Of each harmonic, mean |Δτ|² and Δτ* L Δy in the cycles with these gains."""
     cycles: int = 0
     """How many pairs of them there were."""
+    change: float = np.inf
+    """Sum of |Δτ|² over the last pair."""
     before: tuple[np.ndarray, np.ndarray] | None = None
     """Total torque and y of the cycle before (N, n), with the same gains."""
 
@@ -107,9 +128,10 @@ def tuned(tuning: Tuning, cycle: Cycle, gains: Gains) -> Tuning:
     found = _delayed(total, tuning, cycle, gains)
     quiet, filtered = _quiet(min(noise, tuning.noise), tuning, cycle, gains)
     slowest = min(1.0, SLOWEST * gains.alpha / gains.omega)
-    on_time = _on_time(found.delay, gains, cycle.timestep)
-    share = max(min(quiet, on_time, found.most), slowest)
-    if (share, filtered, found.delay) == (tuning.share, tuning.filtered, tuning.delay):
+    most = _most(found, gains, cycle.timestep)
+    share = max(min(quiet, most) if filtered else most, slowest)
+    now, before = (share, filtered, *found[3:6]), (tuning.share, tuning.filtered, *tuning[3:6])
+    if now == before:
         return found._replace(noise=noise, before=(total, cycle.y.copy()))
     # With other gains the loop is another: its next cycle is compared with none before.
     found = _anew(found._replace(share=share, filtered=filtered, noise=noise))
@@ -124,18 +146,22 @@ def begun(tuning: Tuning, gains: Gains, timestep: float) -> Tuning:
         gains: of the law.
         timestep: [s].
     """
-    share = min(tuning.most, _on_time(tuning.delay, gains, timestep))
-    return _anew(tuning._replace(share=share))
+    return _anew(tuning._replace(share=_most(tuning, gains, timestep, AT_FIRST)))
 
 
 def _anew(tuning: Tuning) -> Tuning:
-    return tuning._replace(known=None, cycles=0, before=None)
+    return tuning._replace(known=None, cycles=0, least=np.inf, last=(), change=np.inf, before=None)
 
 
-def _on_time(delay: int, gains: Gains, timestep: float) -> float:
-    """Share of the feedback that a delay of so many time steps allows."""
-    most = DELAYED / (delay * timestep * gains.omega) if delay else 1.0
-    return float(min(1.0, max(most, SLOWEST * gains.alpha / gains.omega)))
+def _most(tuning: Tuning, gains: Gains, timestep: float, delayed: float = DELAYED) -> float:
+    """Share of the feedback that the loop's delay allows and the arm's true weight asks for."""
+    most = 1.0
+    if tuning.ratio < HEAVY:
+        most = max(1.0, min(1 / tuning.ratio, SAMPLED / (timestep * gains.omega)))
+    if tuning.delay:
+        on_time = delayed / (tuning.delay * timestep * gains.omega)
+        most = min(most, max(on_time, SLOWEST * gains.alpha / gains.omega))
+    return float(most)
 
 
 def _noise(y: np.ndarray, feedback: np.ndarray) -> float:
@@ -177,27 +203,39 @@ def _delayed(total: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains) -> T
     """With what the cycle adds to what is known, and where learning grows, delay and r from it."""
     if tuning.before is None or gains.harmonics is None or len(tuning.before[0]) != len(total):
         return tuning
+    learned = float((_smooth(cycle.y @ gains.learning.T, gains) ** 2).sum(axis=1).mean())
+    last = (*tuning.last, learned)[-STALLS:]
+    tuning = tuning._replace(least=min(tuning.least, learned), last=last)
     changed, moved = total - tuning.before[0], cycle.y - tuning.before[1]
     harmonics = slice(1, gains.harmonics + 1)
     tau = np.fft.rfft(changed, axis=0)[harmonics]
-    answer = tuning.share * np.fft.rfft(moved, axis=0)[harmonics] @ gains.learning.T
+    answer = tuning.pace * tuning.share * np.fft.rfft(moved, axis=0)[harmonics] @ gains.learning.T
     weights, cross = (np.abs(tau) ** 2).sum(axis=1), (tau.conj() * answer).sum(axis=1)
-    if tuning.known is not None:
-        weights, cross = weights + KEPT * tuning.known[0], cross + KEPT * tuning.known[1]
-    found = tuning._replace(known=(weights, cross), cycles=tuning.cycles + 1)
-    if found.cycles < ENOUGH or (changed**2).sum() <= MOVED**2 * (total**2).sum():
+    change = float((changed**2).sum())
+    if (known := tuning.known) is not None and not change > GROWS**2 * tuning.change:
+        weights, cross = weights + KEPT * known[0], cross + KEPT * known[1]
+    enough = ENOUGH - (change > GROWS**2 * tuning.change)
+    found = tuning._replace(known=(weights, cross), cycles=tuning.cycles + 1, change=change)
+    if found.cycles < enough or change <= MOVED**2 * (total**2).sum():
         return found
     measured = cross / np.maximum(weights, np.finfo(float).tiny)
     lead = gains.lead if tuning.lead is None else tuning.lead
     left = np.abs(1 - measured * np.exp(1j * _rates(cycle, gains) * lead * cycle.timestep)) ** 2
-    if left @ weights <= CONTRACTS**2 * weights.sum():
+    stalls = len(last) == STALLS and sum(last[-2:]) > STALLED * sum(last[:2])
+    grows = left @ weights > CONTRACTS**2 * weights.sum() or learned > GROWN**2 * tuning.least
+    if not (grows or (stalls and not tuning.filtered)):
         return found
     delays = np.arange(1, min(STEPS, len(cycle.y) // 8))
     miss = np.abs(_loop(delays, RATIOS, tuning, cycle, gains) - measured) ** 2 @ weights
     at, ratio = np.unravel_index(int(miss.argmin()), miss.shape)
-    if miss[at, ratio] > FITS * (np.abs(measured) ** 2 @ weights):
-        return found._replace(most=CALMER * tuning.share)
-    return found._replace(delay=int(delays[at]) - 1, ratio=float(RATIOS[ratio]))
+    delay, r = int(delays[at]) - 1, float(RATIOS[ratio])
+    if miss[at, ratio] <= FITS * (np.abs(measured) ** 2 @ weights):
+        # A feedback that is too weak for its arm answers late as well.
+        if r < HEAVY and r < tuning.ratio:
+            return found._replace(ratio=r)
+        if r >= HEAVY and delay != tuning.delay:
+            return found._replace(delay=delay, ratio=r)
+    return found._replace(pace=CALMER * tuning.pace) if grows else found
 
 
 def _lead(tuning: Tuning, cycle: Cycle, gains: Gains) -> int | None:
@@ -221,7 +259,7 @@ def _loop(
     cutoff = FILTER * tuning.share * gains.omega if tuning.filtered else np.inf
     passed = 1 / (1 + 1j * rates / cutoff) ** 2
     learned = gains.learning.trace() / gains.feedback.trace() if gains.feedback.any() else 1.0
-    return acting * learned * late / (1j * rates + acting * passed * late)
+    return tuning.pace * acting * learned * late / (1j * rates + acting * passed * late)
 
 
 def _rates(cycle: Cycle, gains: Gains) -> np.ndarray:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from ..laws.learning import low_pass
 from ..laws.memory import COLUMNS
 from ..motions.motion import sample
 from ..plan.plan import Plan
@@ -139,9 +140,14 @@ class Recording:
                 free = not any(one.bears for one in hindered[segment])
                 if free and self._follows(segment, size[segment]):
                     made[segment] = 1
+                    total = cycle.total
+                    if (
+                        experiment.reality.sensed
+                    ):  # no motion needs what its feedback hears of noise
+                        total = low_pass(total, self._plan.gains.harmonics)
                     found[segment] = best_springs(
                         cycle.q,
-                        cycle.total,
+                        total,
                         center=cycle.center,
                         period=experiment.motion[segment].period,
                         bounds=self._plan.gains.bounds,
