@@ -450,7 +450,7 @@ def test_an_optimum_that_is_not_one_is_caught_whatever_it_was_found_by(kind, mon
 
     def wrong(*arguments):
         best = fit(*arguments)
-        return best._replace(**{kind: 1.000001 * getattr(best, kind)})
+        return dataclasses.replace(best, **{kind: 1.000001 * getattr(best, kind)})
 
     monkeypatch.setattr(optimum, "fit", wrong)
     monkeypatch.setattr(proof, "fit", wrong, raising=False)

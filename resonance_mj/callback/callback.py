@@ -17,7 +17,8 @@ import mujoco
 from ..errors import CallbackError, ExperimentError
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.custom_law import custom, said
-from ..laws.memory import Header, block, matrix
+from ..laws.memory import Header
+from ..laws.views import block, matrix
 from ..step_functions import STEP_FUNCTIONS
 from .frozen import frozen
 

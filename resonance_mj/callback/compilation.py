@@ -12,10 +12,11 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic, overload, register_jitable
 
 from ..errors import ExperimentError
-from ..laws import memory
+from ..laws import views
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom
-from ..laws.memory import Header, block, matrix, own, row
+from ..laws.memory import Header
+from ..laws.views import block, matrix, own, row
 from ..step_functions import STEP_FUNCTIONS
 from ..text import cut
 from .frozen import globals_read
@@ -166,12 +167,12 @@ def _doubles(address: int, size: int) -> np.ndarray:
 # takes half as long as all the arithmetic of the law.
 
 
-@overload(memory.vector)
+@overload(views.vector)
 def _vector(memory, start, size):  # type: ignore[no-untyped-def]
     return lambda memory, start, size: carray(_address(memory, int(start)), size, np.float64)
 
 
-@overload(memory.matrix)
+@overload(views.matrix)
 def _matrix(memory, start, rows, columns):  # type: ignore[no-untyped-def]
     return lambda memory, start, rows, columns: carray(
         _address(memory, int(start)), (rows, columns), np.float64

@@ -111,6 +111,8 @@ class Experiment(Section):
         values = plain(self.model_dump(exclude_unset=True))
         values.setdefault("motion", [{} for _ in self.motion])
         for key, value in changes.items():
+            if key == "reality" and isinstance(value, str):
+                value = {"preset": value}
             *parents, last = str(key).split(".")
             node: Any = values
             for parent in parents:

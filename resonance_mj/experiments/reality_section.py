@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ..text import listed, nearest, shown
-from .sections import Section
+from .sections import Gains, Section
 
 Share = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False, strict=True)]
 Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
@@ -63,6 +63,9 @@ class Reality(Section):
     control_period: Seconds = 0.0
     """Time from one step of the law to the next, in which its torque is held [s]; every time step
     if 0."""
+    motor_torque: Gains | None = None
+    """Largest torque of the motors [N m], one for all joints or one each, where it is less than
+    what the robot's file allows."""
     friction: Share = 0.0
     """Dry friction of each joint, as a share of the largest torque that it needs without springs
     or friction."""

@@ -14,8 +14,8 @@ from ..springs import spring as springs
 from ..step_functions import step_function
 from . import equations, sensing
 from .memory import Header
-from .memory import own as views
-from .memory import row as record
+from .views import own as views
+from .views import row as record
 
 Command = Callable[..., None]
 """Sets y and τ in the memory, from what is measured there."""

@@ -20,7 +20,7 @@ from ..text import cut, listed, one_line
 from .controller import Command, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
-from .memory import own as views
+from .views import own as views
 
 COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 """Arguments of a custom law's `command`, which is compiled and fills y and tau at each step."""

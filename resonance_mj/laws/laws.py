@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 
 from ..experiments.experiment import Experiment
-from . import custom_law, learning, tuning
+from ..springs.bounds import passive
+from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
@@ -22,6 +23,8 @@ class Law:
     Attributes:
         command: at each step, sets y and the motors' torque τ.
         learn: after each cycle that is not a passage, sets the next cycle's torque and springs.
+        listens: whether, before it learns, it looks for noise and delay in its loop and tunes what
+            is not given to them.
         adapts: gains of (6) and (7) that act at each step; the springs are constant without them.
         told: what it is given as a motion begins and the other laws do not know.
     """
@@ -30,6 +33,7 @@ class Law:
     learn: Learn
     adapts: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
+    listens: bool = False
 
 
 def load(kind: str) -> Law:
@@ -42,6 +46,12 @@ def load(kind: str) -> Law:
         return LAWS[kind]
     command, learn = custom_law.load(kind)
     return Law(command, learn or spring_transfer, adapts=("gamma_k", "gamma_qe"))
+
+
+def at_limit(cycle: Cycle, gains: Gains) -> float:
+    """Share of a cycle, of all motors, in which they are at their limits."""
+    low, high = gains.torque_limit.T
+    return float(((cycle.tau <= low) | (cycle.tau >= high)).mean())
 
 
 def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
@@ -70,12 +80,15 @@ def as_printed(cycle: Cycle, gains: Gains, experiment: Experiment, q: str = "q")
 
 
 def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
-    """What a spring can exert of the learned torque is handed to the spring."""
-    found = cycle.tuning if cycle.passing else tuning.tuned(cycle.tuning, cycle, gains)
+    """What a spring can exert of the learned torque is handed to the spring.
+
+    Springs of negative stiffness push the arm away, and motors at their limits cannot hold it.
+    """
     v = _learned_torque(cycle, gains)
     # What was measured was so much before.
-    q = np.roll(cycle.q, -found.delay, axis=0)
-    return learning.transfer(v, q, cycle.springs, gains.bounds)._replace(tuning=found)
+    q = np.roll(cycle.q, -cycle.tuning.delay, axis=0)
+    bounds = passive(gains.bounds) if at_limit(cycle, gains) else gains.bounds
+    return learning.transfer(v, q, cycle.springs, bounds)
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
@@ -85,8 +98,8 @@ def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
     the more of the cycle they are, and rests from `LIMITED` of it on.
     """
     low, high = gains.torque_limit.T
-    at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean()
-    pace = cycle.tuning.pace * cycle.tuning.share * max(0.0, 1.0 - at_limit / LIMITED)
+    held_back = max(0.0, 1.0 - at_limit(cycle, gains) / LIMITED)
+    pace = cycle.tuning.pace * cycle.tuning.share * held_back
     lead = gains.lead if cycle.tuning.lead is None else cycle.tuning.lead
     v = learning.learned_torque(
         cycle.u, cycle.y, gain=pace * gains.learning, lead=lead, harmonics=gains.harmonics
@@ -103,7 +116,7 @@ LAWS: dict[str, Law] = {
     "fixed": Law(standard, all_torque, told=("springs",)),
     "joint-space": Law(joint_space, _in_joint_space, adapts=("gamma_k",), told=("joints",)),
     "paper": Law(standard, as_printed, adapts=("gamma_k", "gamma_qe")),
-    "transfer": Law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe")),
+    "transfer": Law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe"), listens=True),
     "computed-torque": Law(joint_space, nothing, told=("joints", "springs", "torque")),
 }
 """The laws that come with the program; `law_section.KINDS` has their names."""

@@ -35,8 +35,6 @@ class Cycle(NamedTuple):
     """Time steps of a control period."""
     tuning: Tuning = Tuning()
     """What is known of the loop."""
-    passing: bool = False
-    """Whether it is part of the passage into a motion."""
 
 
 class Learned(NamedTuple):
@@ -46,8 +44,6 @@ class Learned(NamedTuple):
     """Learned torque (N, n) [N m]."""
     springs: LinearSprings
     """That it begins with."""
-    tuning: Tuning | None = None
-    """What is known of the loop, if the law looks for it."""
 
 
 Learn = Callable[[Cycle, Gains, Experiment], Learned]

@@ -7,7 +7,7 @@ torques go through a second ring to the motors. Without imperfections none of th
 import numpy as np
 
 from ..step_functions import step_function
-from .memory import own as views
+from .views import own as views
 
 
 @step_function

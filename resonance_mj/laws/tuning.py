@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..text import percent
+
 if TYPE_CHECKING:
     from .gains import Gains
     from .learning import Cycle
@@ -80,6 +82,10 @@ RATIOS = 2.0 ** (np.arange(-12, 5) / 4)
 """Values of r that are tried."""
 
 
+BY_HAND = ("k_v", "k_p", "omega", "beta", "eta", "lead", "harmonics")
+"""Gains of a law that is left as it is if one of them is given."""
+
+
 class Tuning(NamedTuple):
     """What a law has found of its loop, and how it acts on it."""
 
@@ -114,24 +120,46 @@ class Tuning(NamedTuple):
         """What the filters take over of y in a control period [s]; 0 for no filter."""
         return 1.0 - float(np.exp(-FILTER * self.share * omega * period)) if self.filtered else 0.0
 
+    def said(self, timestep: float) -> list[str]:
+        """What was found, and how the law acts on it, in words."""
+        found, acts = [], f"the feedback acts with {percent(self.share, 0)} of its gain"
+        if self.filtered:
+            found.append(f"encoders are noisy: {acts}, on a filtered error")
+        elif self.ratio < HEAVY:
+            found.append(
+                f"the arm is heavier than its file, about {1 / self.ratio:.1f} times: {acts}"
+            )
+        if self.delay:
+            found.append(
+                f"the loop answers {self.delay * timestep:.3g} s late: {acts}, and learning reads "
+                f"the error {self.lead} time steps ahead"
+            )
+        if self.pace < 1.0:
+            found.append(
+                f"learning grew, and no delay explained it: it goes at {percent(self.pace, 0)} of "
+                "its pace"
+            )
+        return found
 
-def tuned(tuning: Tuning, cycle: Cycle, gains: Gains) -> Tuning:
+
+def tuned(tuning: Tuning, cycle: Cycle, gains: Gains, *, limited: bool = False) -> Tuning:
     """What the law does from the next cycle on, from what a whole cycle has shown.
 
     Args:
         tuning: as the cycle was made with.
         cycle: that was made.
         gains: of the law.
+        limited: whether a motor was at its limit, where it answers to nothing.
     """
     total = cycle.u + cycle.springs.torque(np.roll(cycle.q, -tuning.delay, axis=0))
     noise = _noise(cycle.y[:: cycle.hold], gains.feedback)
-    found = _delayed(total, tuning, cycle, gains)
+    found = tuning._replace(before=None) if limited else _delayed(total, tuning, cycle, gains)
     quiet, filtered = _quiet(min(noise, tuning.noise), tuning, cycle, gains)
     slowest = min(1.0, SLOWEST * gains.alpha / gains.omega)
     most = _most(found, gains, cycle.timestep)
     share = max(min(quiet, most) if filtered else most, slowest)
-    now, before = (share, filtered, *found[3:6]), (tuning.share, tuning.filtered, *tuning[3:6])
-    if now == before:
+    now = share, filtered, found.delay, found.ratio, found.pace
+    if now == (tuning.share, tuning.filtered, tuning.delay, tuning.ratio, tuning.pace):
         return found._replace(noise=noise, before=(total, cycle.y.copy()))
     # With other gains the loop is another: its next cycle is compared with none before.
     found = _anew(found._replace(share=share, filtered=filtered, noise=noise))
@@ -184,6 +212,8 @@ def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[fl
     useful = float((_smooth(cycle.tau, gains) ** 2).sum(axis=1).mean())
     if noise <= NOISY * useful and not tuning.filtered:
         return 1.0, False
+    if not useful:
+        return tuning.share, tuning.filtered
     angle = np.linspace(0.0, np.pi, 513)[1:]
 
     def heard(share: float) -> float:
@@ -201,12 +231,13 @@ def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[fl
 
 def _delayed(total: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains) -> Tuning:
     """With what the cycle adds to what is known, and where learning grows, delay and r from it."""
-    if tuning.before is None or gains.harmonics is None or len(tuning.before[0]) != len(total):
+    if tuning.before is None or gains.harmonics is None:
         return tuning
+    before, y_before = tuning.before
     learned = float((_smooth(cycle.y @ gains.learning.T, gains) ** 2).sum(axis=1).mean())
     last = (*tuning.last, learned)[-STALLS:]
     tuning = tuning._replace(least=min(tuning.least, learned), last=last)
-    changed, moved = total - tuning.before[0], cycle.y - tuning.before[1]
+    changed, moved = total - before, cycle.y - y_before
     harmonics = slice(1, gains.harmonics + 1)
     tau = np.fft.rfft(changed, axis=0)[harmonics]
     answer = tuning.pace * tuning.share * np.fft.rfft(moved, axis=0)[harmonics] @ gains.learning.T

@@ -229,7 +229,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         coordinate=coordinate,
         position=position,
         orientation=orientation,
-        torque_limit=_torque_limits(model, actuator_id),
+        torque_limit=_torque_limits(model, actuator_id, experiment.reality.motor_torque),
         home=home,
         qpos=qpos,
         inertia=inertia,
@@ -271,9 +271,15 @@ def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> 
     spec.option.disableflags |= disabled
 
 
-def _torque_limits(model: mujoco.MjModel, actuator_id: np.ndarray) -> np.ndarray:
+def _torque_limits(
+    model: mujoco.MjModel, actuator_id: np.ndarray, most: float | tuple[float, ...] | None
+) -> np.ndarray:
     limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
-    return np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
+    limits = np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
+    if most is None:
+        return limits
+    largest = np.broadcast_to(np.asarray(most, float), len(limits))[:, None]
+    return np.clip(limits, -largest, largest)
 
 
 def _at_home(

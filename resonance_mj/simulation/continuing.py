@@ -86,7 +86,7 @@ def start(run: Run, plan: Plan) -> Start:
             springs=springs,
             q_s=before.q_s,
         )
-        u, springs, _ = before.law.learn(cycle, before.gains, before.experiment)
+        u, springs = before.law.learn(cycle, before.gains, before.experiment)
     return Start(
         q=data["q_end"].values,
         dq=data["dq_end"].values,

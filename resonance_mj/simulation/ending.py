@@ -141,6 +141,11 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
     if growth := _growth(motion, 1.2):
         miss += f", {growth}"
     cures = list(dict.fromkeys(one.cure for one in held))
+    if not cures and (late := plan.experiment.reality.measurement_delay):
+        cures = [
+            f"a smaller reality.measurement_delay (now {late:g} s): the tool is where it should be "
+            "by what was measured, which is so much older"
+        ]
     if not cures and law.kind == "feedback":
         cures = ['law.kind = "transfer", which learns']
     elif not cures and growth:

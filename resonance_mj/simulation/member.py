@@ -4,6 +4,7 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..laws import controller, learning, tuning
+from ..laws.laws import at_limit
 from ..laws.memory import COLUMNS, Memory
 from ..plan.plan import Plan
 from ..results.motions import motions
@@ -46,6 +47,8 @@ class Member:
         load_law(memory, index, plan)
         self._others = first_springs(plan).others
         self._tuning = tuning.Tuning()
+        by_hand = any(getattr(plan.experiment.law, key) is not None for key in tuning.BY_HAND)
+        self._listens = plan.law.listens and not by_hand
         if start is not None:
             self._go_on_from(start)
 
@@ -72,8 +75,9 @@ class Member:
             model[index] = plan.loaded[segment].robot.model
         if begins:
             dt = plan.experiment.simulation.timestep
-            self._tuning = tuning.begun(self._tuning, plan.gains, dt)
-            load_tuning(self._memory, index, plan, self._tuning)
+            if self._listens:
+                self._tuning = tuning.begun(self._tuning, plan.gains, dt)
+                load_tuning(self._memory, index, plan, self._tuning)
         if begins or passed or self._passing:
             load_motion(self._memory, index, plan, cycle)
             if "springs" in plan.law.told:
@@ -128,7 +132,8 @@ class Member:
         ended = ending(self.plan, motions(data), hindered)
         if self.status is Status.OK:
             self.status, self._message = ended.status, ended.message
-        notes = (*self.plan.notes, *ended.notes, *self._stepper.warnings(self._index))
+        found = self._tuning.said(self.plan.experiment.simulation.timestep)
+        notes = (*self.plan.notes, *ended.notes, *found, *self._stepper.warnings(self._index))
         return Run(
             experiment=self.plan.experiment,
             status=self.status,
@@ -168,12 +173,13 @@ class Member:
                 timestep=dt,
                 hold=reality.steps("control_period", dt),
                 tuning=self._tuning,
-                passing=self._passing,
             )
-            learned, springs, found = plan.law.learn(done, plan.gains, plan.experiment)
-            if found is not None:
-                self._tuning = found
-                load_tuning(memory, index, plan, found)
+            if self._listens and not self._passing:
+                limited = at_limit(done, plan.gains) > 0.0
+                self._tuning = tuning.tuned(self._tuning, done, plan.gains, limited=limited)
+                load_tuning(memory, index, plan, self._tuning)
+                done = done._replace(tuning=self._tuning)
+            learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
             load_springs(memory, index, springs, plan.gains.bounds)
             self._others = springs.others
         following = plan.steps(plan.schedule[cycle + 1])

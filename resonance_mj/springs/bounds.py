@@ -45,6 +45,12 @@ UNBOUNDED = JointBounds(
 """Springs of any stiffness >= 0 and any equilibrium."""
 
 
+def passive(bounds: JointBounds) -> JointBounds:
+    """The same without springs of negative stiffness, where others are allowed."""
+    least, most = bounds.stiffness
+    return bounds._replace(stiffness=(np.where(most >= 0, np.maximum(least, 0.0), least), most))
+
+
 def per_joint(
     springs: Springs, joints: tuple[str, ...], elements: tuple[Element, ...], source: str
 ) -> JointBounds:

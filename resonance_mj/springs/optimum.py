@@ -108,7 +108,8 @@ class Optimum:
 
             def beyond(k: float, j: int = int(j)) -> float:
                 """How far torque² is above the most with a stiffness and its best offset."""
-                reachable = sorted((k * low[j], k * high[j])) if k else (0.0, 0.0)
+                bounded = np.isfinite(low[j]) and np.isfinite(high[j])
+                reachable = (k * low[j], k * high[j]) if bounded else (-np.inf, np.inf)
                 miss = np.clip(level[j], *reachable) - level[j]
                 return float(((rest[:, j] + k * z[:, j]) ** 2).mean() + miss**2 - most[j])
 
