@@ -21,6 +21,11 @@ def experiments() -> dict[str, Path]:
     return {path.stem: path for path in sorted(files, key=lambda path: path.stem)}
 
 
+def validation() -> dict[str, Path]:
+    """Arms and springs that others have published: name -> TOML file, in alphabetical order."""
+    return {path.stem: path for path in sorted(folder("runs").glob("validation/*.toml"))}
+
+
 def sweeps() -> dict[str, Path]:
     """Built-in sweeps: name -> TOML file, in alphabetical order."""
     return {path.stem: path for path in sorted(folder("runs").glob("sweeps/*.toml"))}

@@ -14,7 +14,12 @@ def list_(options: Namespace) -> None:
     """The experiments, sweeps and robots that come with the program."""
     from rich.table import Table
 
-    files = {"runs": library.experiments(), "sweeps": library.sweeps(), "robots": library.robots()}
+    files = {
+        "runs": library.experiments(),
+        "validation": library.validation(),
+        "sweeps": library.sweeps(),
+        "robots": library.robots(),
+    }
     found = {title: {n: library.line(p) for n, p in of.items()} for title, of in files.items()}
     tables = []
     for title, lines in found.items():

@@ -87,8 +87,9 @@ def find(name: str | os.PathLike[str]) -> Path:
         ExperimentError: there is no such experiment.
     """
     built_in = library.experiments()
-    if isinstance(name, str) and name in built_in:
-        return built_in[name]
+    named = built_in | library.validation()
+    if isinstance(name, str) and name in named:
+        return named[name]
     path = Path(name)
     if path.suffix == ".toml" or len(path.parts) != 1 or is_file(path):
         return path

@@ -142,7 +142,14 @@ class Tuning(NamedTuple):
         return found
 
 
-def tuned(tuning: Tuning, cycle: Cycle, gains: Gains, *, limited: bool = False) -> Tuning:
+def tuned(
+    tuning: Tuning,
+    cycle: Cycle,
+    gains: Gains,
+    *,
+    limited: bool = False,
+    passing: bool = False,
+) -> Tuning:
     """What the law does from the next cycle on, from what a whole cycle has shown.
 
     Args:
@@ -150,10 +157,13 @@ def tuned(tuning: Tuning, cycle: Cycle, gains: Gains, *, limited: bool = False) 
         cycle: that was made.
         gains: of the law.
         limited: whether a motor was at its limit, where it answers to nothing.
+        passing: whether the motion still grew, so that there was more to learn in each cycle.
     """
     total = cycle.u + cycle.springs.torque(np.roll(cycle.q, -tuning.delay, axis=0))
     noise = _noise(cycle.y[:: cycle.hold], gains.feedback)
-    found = tuning._replace(before=None) if limited else _delayed(total, tuning, cycle, gains)
+    found = tuning._replace(before=None)
+    if not limited:
+        found = _delayed(total, tuning, cycle, gains, passing)
     quiet, filtered = _quiet(min(noise, tuning.noise), tuning, cycle, gains)
     slowest = min(1.0, SLOWEST * gains.alpha / gains.omega)
     most = _most(found, gains, cycle.timestep)
@@ -229,7 +239,9 @@ def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[fl
     return (quiet[0] if quiet else float(SHARES[-1])), True
 
 
-def _delayed(total: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains) -> Tuning:
+def _delayed(
+    total: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains, passing: bool
+) -> Tuning:
     """With what the cycle adds to what is known, and where learning grows, delay and r from it."""
     if tuning.before is None or gains.harmonics is None:
         return tuning
@@ -253,8 +265,9 @@ def _delayed(total: np.ndarray, tuning: Tuning, cycle: Cycle, gains: Gains) -> T
     lead = gains.lead if tuning.lead is None else tuning.lead
     left = np.abs(1 - measured * np.exp(1j * _rates(cycle, gains) * lead * cycle.timestep)) ** 2
     stalls = len(last) == STALLS and sum(last[-2:]) > STALLED * sum(last[:2])
-    grows = left @ weights > CONTRACTS**2 * weights.sum() or learned > GROWN**2 * tuning.least
-    if not (grows or (stalls and not tuning.filtered)):
+    grown = learned > GROWN**2 * tuning.least and not passing
+    grows = left @ weights > CONTRACTS**2 * weights.sum() or grown
+    if not (grows or (stalls and not tuning.filtered and not passing)):
         return found
     delays = np.arange(1, min(STEPS, len(cycle.y) // 8))
     miss = np.abs(_loop(delays, RATIOS, tuning, cycle, gains) - measured) ** 2 @ weights

@@ -174,9 +174,11 @@ class Member:
                 hold=reality.steps("control_period", dt),
                 tuning=self._tuning,
             )
-            if self._listens and not self._passing:
+            if self._listens:
                 limited = at_limit(done, plan.gains) > 0.0
-                self._tuning = tuning.tuned(self._tuning, done, plan.gains, limited=limited)
+                self._tuning = tuning.tuned(
+                    self._tuning, done, plan.gains, limited=limited, passing=self._passing
+                )
                 load_tuning(memory, index, plan, self._tuning)
                 done = done._replace(tuning=self._tuning)
             learned, springs = plan.law.learn(done, plan.gains, plan.experiment)

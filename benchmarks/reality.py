@@ -1,0 +1,121 @@
+"""What imperfections of a real arm leave of the optimum: the table of docs/robustness.md.
+
+    python benchmarks/reality.py [--seeds N]
+
+The paper's arm, the seven-joint and the six-joint arm with default gains, 60 cycles of each motion.
+Of each row: the share of the possible reduction that the springs of the last cycle would give, the
+reduction of torque² that the motors gave in the last five cycles as a share of what is possible,
+and the RMS error of the tool; the worst of motions and seeds.
+"""
+
+import argparse
+
+import numpy as np
+from rich.progress import track
+
+import resonance_mj as rmj
+from resonance_mj.results.cycles import kept
+from resonance_mj.springs.fit import LinearSprings, fit
+
+CYCLES = 60
+
+ARMS = {
+    "two-link": ("two-link-transfer", {"law": {"kind": "transfer"}}),
+    "seven-joint": ("seven-joint", {}),
+    "six-joint pose": ("six-joint-pose", {}),
+}
+
+ROWS = {
+    "ideal": {},
+    "encoder noise of 1e-4 rad": {"reality": {"encoder_noise": 1e-4}},
+    "encoder noise of 1e-3 rad": {"reality": {"encoder_noise": 1e-3}},
+    "measurement 5 ms late": {"reality": {"measurement_delay": 0.005}},
+    "measurement 10 ms late": {"reality": {"measurement_delay": 0.01}},
+    "torque 10 ms late": {"reality": {"torque_delay": 0.01}},
+    "control at 200 Hz": {"reality": {"control_period": 0.005}},
+    "friction of 10 %": {"reality": {"friction": 0.1}},
+    "`lab`": {"reality": "lab"},
+    "`cheap`": {"reality": "cheap", "blend": 4},
+    "payload of 2 kg": {"payload": 2.0},
+    "payload of 4 kg": {"payload": 4.0},
+}
+"""Keys of the experiment or, without a section, of each motion."""
+
+
+def experiment(arm, row, seed):
+    """An experiment of an arm under a row's imperfections."""
+    name, changes = ARMS[arm]
+    base, of_row = rmj.load(name), dict(ROWS[row])
+    blend = of_row.pop("blend", 1)
+    payload = of_row.pop("payload", 0.0)
+    for index, motion in enumerate(base.motion):
+        changes = changes | {
+            f"motion.{index}.duration": CYCLES * motion.period,
+            f"motion.{index}.blend": blend,
+            f"motion.{index}.payload": payload,
+        }
+    changes = changes | of_row
+    if "reality" in changes:
+        changes["reality.seed"] = seed
+    return base.replace(changes)
+
+
+def figures(run):
+    """Share found, share of the reduction kept, RMS error [mm] of the worst motion of a run."""
+    found = []
+    last = {cycle.motion: cycle for cycle in kept(run)}
+    for index, motion in enumerate(run.motions):
+        if len(motion.cycles) < CYCLES:
+            return None
+        cycle = last[index]
+        acting = LinearSprings(cycle.stiffness[-1], cycle.offset[-1], cycle.center)
+        # Of the torque that the motion made needs, without what feedback makes of noise.
+        total = cycle.tau + acting.torque(cycle.q)
+        spectrum = np.fft.rfft(total, axis=0)
+        spectrum[21:] = 0.0
+        total = np.fft.irfft(spectrum, n=len(total), axis=0)
+        best = total - fit(cycle.q, total, run.plan.gains.bounds, cycle.center).torque(cycle.q)
+        needed, left, least = (
+            (torque**2).sum(axis=1).mean()
+            for torque in (total, total - acting.torque(cycle.q), best)
+        )
+        without = motion.torque_squared_without_springs
+        reduction = 1 - motion.torque_squared[-5:].mean() / without
+        possible = motion.torque_reduction_optimal
+        found.append(
+            (
+                (needed - left) / (needed - least),
+                reduction / possible,
+                1e3 * motion.tracking_rms[-1],
+            )
+        )
+    shares, reductions, errors = zip(*found, strict=True)
+    return min(shares), min(reductions), max(errors)
+
+
+def main():
+    """Print the table."""
+    options = argparse.ArgumentParser()
+    options.add_argument("--seeds", type=int, default=3)
+    seeds = range(options.parse_args().seeds)
+    lines = []
+    for row in track(ROWS):
+        cells = []
+        for arm in ARMS:
+            noisy = "reality" in ROWS[row]
+            each = [experiment(arm, row, seed) for seed in (seeds if noisy else [0])]
+            found = [figures(run) for run in rmj.simulate_many(each)]
+            if None in found:
+                cells.append(f"diverged, {found.count(None)} of {len(found)}")
+                continue
+            share, reduction, error = (
+                pick(of) for pick, of in zip((min, min, max), zip(*found, strict=True), strict=True)
+            )
+            cells.append(f"{share:.4f}, {100 * reduction:.1f} %, {error:#.2g} mm")
+        lines.append(f"| {row} | {' | '.join(cells)} |")
+    print(f"| | {' | '.join(ARMS)} |\n|---|{'---|' * len(ARMS)}")
+    print("\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()
