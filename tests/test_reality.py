@@ -155,7 +155,7 @@ ROWS = {
 @pytest.mark.parametrize("row", ROWS)
 def test_the_law_finds_the_springs_of_a_real_arm_and_its_motors_give_little_more(row, name):
     reality, least_share, least_reduction = ROWS[row]
-    slowly = {"motion.0.blend": 4, "motion.1.blend": 4} if name == "two-link-transfer" else {}
+    slowly = {"motion.0.blend": 12, "motion.1.blend": 12} if name == "two-link-transfer" else {}
     run = rmj.simulate(arm(reality, name, **(slowly if row == "cheap" else {})))
     for index, motion in enumerate(run.motions):
         if name == "two-link-transfer":

@@ -27,8 +27,9 @@ NOISY = 0.03
 """Noise in the feedback's torque², of the torque² of the cycle's harmonics, from which on it is
 reduced."""
 
-CALM = 0.01
-"""To what; it may be half or twice that before it is looked for anew."""
+CALM, CALM_AT_FIRST = 0.01, 0.04
+"""To what, and as long as a motion grows; it may be half or twice that before it is looked for
+anew."""
 
 FILTER = 5.0
 """Cutoff of the feedback's two filters where there is noise, over its bandwidth."""
@@ -164,7 +165,9 @@ def tuned(
     found = tuning._replace(before=None)
     if not limited:
         found = _delayed(total, tuning, cycle, gains, passing)
-    quiet, filtered = _quiet(min(noise, tuning.noise), tuning, cycle, gains)
+    # As long as a motion grows, feedback carries it, and more of its noise is borne.
+    calm = CALM_AT_FIRST if passing else CALM
+    quiet, filtered = _quiet(min(noise, tuning.noise), tuning, cycle, gains, calm)
     slowest = min(1.0, SLOWEST * gains.alpha / gains.omega)
     most = _most(found, gains, cycle.timestep)
     share = max(min(quiet, most) if filtered else most, slowest)
@@ -184,7 +187,7 @@ def begun(tuning: Tuning, gains: Gains, timestep: float) -> Tuning:
         gains: of the law.
         timestep: [s].
     """
-    return _anew(tuning._replace(share=_most(tuning, gains, timestep, AT_FIRST)))
+    return _anew(tuning._replace(share=_most(tuning, gains, timestep, AT_FIRST), pace=1.0))
 
 
 def _anew(tuning: Tuning) -> Tuning:
@@ -210,7 +213,9 @@ def _noise(y: np.ndarray, feedback: np.ndarray) -> float:
     return float(2 * (np.abs(top) ** 2).sum() / len(y) ** 2 / (0.5 + 1 / np.pi))
 
 
-def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[float, bool]:
+def _quiet(
+    noise: float, tuning: Tuning, cycle: Cycle, gains: Gains, calm: float
+) -> tuple[float, bool]:
     """The largest share of the feedback whose noise is small beside the torque; whether filtered.
 
     Args:
@@ -218,6 +223,7 @@ def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[fl
         tuning: as the cycle was made with.
         cycle: that was made.
         gains: of the law.
+        calm: most that noise may be of the torque².
     """
     useful = float((_smooth(cycle.tau, gains) ** 2).sum(axis=1).mean())
     if noise <= NOISY * useful and not tuning.filtered:
@@ -233,9 +239,9 @@ def _quiet(noise: float, tuning: Tuning, cycle: Cycle, gains: Gains) -> tuple[fl
         passed = np.abs(a / (1 - (1 - a) * np.exp(-1j * angle))) ** 4
         return share**2 * noise * float((passed * (1 - np.cos(angle))).mean()) / useful
 
-    if tuning.filtered and CALM / 2 <= heard(tuning.share) <= 2 * CALM:
+    if tuning.filtered and calm / 2 <= heard(tuning.share) <= 2 * calm:
         return tuning.share, True
-    quiet = [float(share) for share in SHARES if heard(share) <= CALM]
+    quiet = [float(share) for share in SHARES if heard(share) <= calm]
     return (quiet[0] if quiet else float(SHARES[-1])), True
 
 
@@ -278,7 +284,9 @@ def _delayed(
         if r < HEAVY and r < tuning.ratio:
             return found._replace(ratio=r)
         if r >= HEAVY and delay != tuning.delay:
-            return found._replace(delay=delay, ratio=r)
+            # Noise is correlated with what was learned of it, and hides some of the delay.
+            pace = (CALMER if tuning.filtered else 1.0) * tuning.pace
+            return found._replace(delay=delay, ratio=r, pace=pace)
     return found._replace(pace=CALMER * tuning.pace) if grows else found
 
 
