@@ -5,12 +5,14 @@ from functools import partial
 
 import numpy as np
 
+from ..experiments import law_section
 from ..experiments.experiment import Experiment
 from ..springs.bounds import passive
 from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
+from .tuning import BY_HAND
 
 LIMITED = 0.25
 """Share of a cycle, of all motors, at whose limits learning rests."""
@@ -46,6 +48,12 @@ def load(kind: str) -> Law:
         return LAWS[kind]
     command, learn = custom_law.load(kind)
     return Law(command, learn or spring_transfer, adapts=("gamma_k", "gamma_qe"))
+
+
+def listens(law: law_section.Law) -> bool:
+    """Whether a law of these keys looks for noise and delay in its loop: if no gain is given."""
+    given = any(getattr(law, key) is not None for key in BY_HAND)
+    return law.kind in LAWS and LAWS[law.kind].listens and not given
 
 
 def at_limit(cycle: Cycle, gains: Gains) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..experiments.experiment import Experiment
 from ..laws.gains import Gains
+from ..laws.laws import listens
 from ..laws.stability.divergence import Divergence, divergences
 from ..motions.kinematics import JointMotion, Kinematics
 from ..motions.margins import jerk
@@ -25,6 +26,9 @@ POSES = 40
 
 WASTED = 0.3
 """Share of torque² without springs from which it is said what damping and friction take of it."""
+
+LISTENS = "as it grows, for no gain is given"
+"""Of a law that tunes itself."""
 
 WORTHWHILE = 0.05
 """Multiple of a learning gain from which it is worth saying that it would not diverge."""
@@ -223,6 +227,7 @@ def _diverging(
         f"law.lead = {gains.lead} harmonics of 1/T from {grows.first} on grow, {grows.fastest} "
         f"({grows.fastest / period:g} Hz) fastest, by {percent:g} % in a cycle; "
         + (f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller")
+        + (f"; the law looks for them itself {LISTENS}" if listens(law) else "")
     )
 
 

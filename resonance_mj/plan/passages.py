@@ -1,8 +1,10 @@
-"""The joint motion of an arm that passes over into a motion, from rest or from the one before."""
+"""How an arm passes over into a motion, from rest or from the one before."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion
@@ -32,3 +34,25 @@ def passages(plan: Plan) -> dict[int, JointMotion]:
                 found[cycle] = JointMotion(*(signal[part] for signal in made))
         start = plan.joints[segment].q[-1]
     return found
+
+
+def desired(plan: Plan, cycle: int) -> motions.Samples:
+    """The desired motion in a cycle of a plan; see `Plan.desired`."""
+    segment = plan.schedule[cycle]
+    motion, steps = plan.experiment.motion[segment], plan.steps(segment)
+    samples = motions.sample(motion, steps, plan.robot)
+    begun = plan.blending(cycle)
+    if begun is None:
+        return samples
+    left = plan.experiment.motion[segment - 1] if segment else plan.left and plan.left.motion
+    if left is None:
+        still = np.zeros_like(samples.x)
+        home = still + plan.kinematics.position(plan.robot.home)
+        before = motions.Samples(home, still, still)
+    else:
+        # The motion that is left goes on by the clock while the new one takes over.
+        length = left.steps(plan.experiment.simulation.timestep)
+        old = motions.sample(left, length, plan.robot)
+        at = (begun * steps + np.arange(steps)) % length
+        before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
+    return motions.blended(before, samples, begun, motion.passage, motion.period)

@@ -24,11 +24,11 @@ from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..text import Caution
 from . import notes
-from .filling import Left, adapting, growing, without_passage
+from .filling import Left, adapting, without_passage
+from .finishing import finished
 from .holding import holding
 from .inputs import Input, gather
-from .passages import passages
-from .rubbing import rubbing
+from .passages import desired, passages
 
 T = TypeVar("T")
 
@@ -141,24 +141,7 @@ class Plan:
 
     def desired(self, cycle: int) -> motions.Samples:
         """The desired motion in a cycle of the run: a motion, or the passage to it."""
-        segment = self.schedule[cycle]
-        motion, steps = self.experiment.motion[segment], self.steps(segment)
-        samples = motions.sample(motion, steps, self.robot)
-        begun = self.blending(cycle)
-        if begun is None:
-            return samples
-        left = self.experiment.motion[segment - 1] if segment else self.left and self.left.motion
-        if left is None:
-            still = np.zeros_like(samples.x)
-            home = still + self.kinematics.position(self.robot.home)
-            before = motions.Samples(home, still, still)
-        else:
-            # The motion that is left goes on by the clock while the new one takes over.
-            length = left.steps(self.experiment.simulation.timestep)
-            old = motions.sample(left, length, self.robot)
-            at = (begun * steps + np.arange(steps)) % length
-            before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
-        return motions.blended(before, samples, begun, motion.passage, motion.period)
+        return desired(self, cycle)
 
     def joint_motion(self, cycle: int) -> JointMotion:
         """Joint motion that makes the desired motion of a cycle of the run."""
@@ -178,11 +161,11 @@ class Plan:
     def fits_with(self) -> tuple[object, ...]:
         """Equal for experiments that one batch can step together."""
         robot, motion = self.experiment.robot, self.experiment.motion
-        elements = self.experiment.springs.element
-        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload, elements
+        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload
         how = self.experiment.simulation.integrator, self.law.command, self.layout
         cycles = tuple((one.blend, self.steps(i)) for i, one in enumerate(motion))
-        return (*arm, self.experiment.task, *how, cycles, tuple(self.schedule))
+        of = self.experiment.springs.element, self.experiment.task
+        return (*arm, *of, *how, cycles, tuple(self.schedule))
 
     def refuse_unstable(self) -> None:
         """Raise a StabilityError if something will diverge."""
@@ -289,8 +272,7 @@ def plan_for(
         _followed={} if followed is None else followed,
         _warned=warned,
     )
-    plan = replace(plan, loaded=rubbing(experiment, lambda: plan.joints, plan.loaded))
-    return replace(plan, experiment=growing(experiment, robot, lambda: plan.optima, warned))
+    return finished(plan, warned)
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:

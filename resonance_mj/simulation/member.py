@@ -3,9 +3,10 @@
 import numpy as np
 
 from ..errors import ExperimentError
-from ..laws import controller, learning, tuning
-from ..laws.laws import at_limit
+from ..laws import controller, learning, listening
+from ..laws.laws import at_limit, listens
 from ..laws.memory import COLUMNS, Memory
+from ..laws.tuning import Tuning
 from ..plan.plan import Plan
 from ..results.motions import motions
 from ..results.run import Run
@@ -46,9 +47,8 @@ class Member:
         stepper.start(index, plan.robot.qpos)
         load_law(memory, index, plan)
         self._others = first_springs(plan).others
-        self._tuning = tuning.Tuning()
-        by_hand = any(getattr(plan.experiment.law, key) is not None for key in tuning.BY_HAND)
-        self._listens = plan.law.listens and not by_hand
+        self._tuning = Tuning()
+        self._listens = listens(plan.experiment.law)
         if start is not None:
             self._go_on_from(start)
 
@@ -76,7 +76,7 @@ class Member:
         if begins:
             dt = plan.experiment.simulation.timestep
             if self._listens:
-                self._tuning = tuning.begun(self._tuning, plan.gains, dt)
+                self._tuning = listening.begun(self._tuning, plan.gains, dt)
                 load_tuning(self._memory, index, plan, self._tuning)
         if begins or passed or self._passing:
             load_motion(self._memory, index, plan, cycle)
@@ -176,7 +176,7 @@ class Member:
             )
             if self._listens:
                 limited = at_limit(done, plan.gains) > 0.0
-                self._tuning = tuning.tuned(
+                self._tuning = listening.tuned(
                     self._tuning, done, plan.gains, limited=limited, passing=self._passing
                 )
                 load_tuning(memory, index, plan, self._tuning)

@@ -1,0 +1,82 @@
+"""What a plan needs of its own motions before it is whole: friction, stable springs, passages."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import MotionError
+from ..experiments.experiment import Experiment
+from ..motions.kinematics import JointMotion, Kinematics
+from ..text import joined
+from .filling import growing
+
+if TYPE_CHECKING:
+    from .plan import Plan
+
+EXPLICIT = 1.0
+"""Most that k dt² / m is of a spring k on an inertia m, which integrators take explicitly; alone it
+is unstable from 4 on, and joints about nearly one axis share an inertia."""
+
+
+def finished(plan: Plan, notes: list[str]) -> Plan:
+    """The plan with the friction of `[reality]`, springs that the time step bears, and passages.
+
+    Args:
+        plan: with everything but what its joint motions decide.
+        notes: get a line of what is changed.
+    """
+    experiment = plan.experiment
+    plan = replace(plan, loaded=rubbing(experiment, lambda: plan.joints, plan.loaded))
+    with suppress(MotionError):  # which is said where the motion is asked for
+        plan = softened(plan, notes)
+    return replace(plan, experiment=growing(experiment, plan.robot, lambda: plan.optima, notes))
+
+
+def softened(plan: Plan, notes: list[str]) -> Plan:
+    """The plan with springs below what is unstable at the time step, where the best are above."""
+    dt, bounds = plan.experiment.simulation.timestep, plan.gains.bounds
+    alone = 1 / np.diag(np.linalg.inv(plan.robot.inertia))
+    most = EXPLICIT * alone / dt**2
+    stiff = np.max([best.stiffness > most for best in plan.optima], axis=0)
+    if not stiff.any():
+        return plan
+    least, greatest = bounds.stiffness
+    softer = np.maximum(np.where(stiff, np.minimum(greatest, most), greatest), least)
+    names = [joint for joint, is_stiff in zip(plan.robot.joints, stiff, strict=True) if is_stiff]
+    notes.append(
+        f"springs of {joined(names)} are at most {', '.join(f'{k:.3g}' for k in softer[stiff])} "
+        f"N m/rad: stiffer ones are unstable at a time step of {dt:g} s, where these joints alone "
+        "feel little inertia; a shorter simulation.timestep allows more"
+    )
+    gains = replace(plan.gains, bounds=bounds._replace(stiffness=(least, softer)))
+    return replace(plan, gains=gains)
+
+
+def rubbing(
+    experiment: Experiment, joints: Callable[[], list[JointMotion]], loaded: list[Kinematics]
+) -> list[Kinematics]:
+    """The kinematics of the arm with the load of each motion, with friction in its joints.
+
+    Args:
+        experiment: says how much, as a share of the largest torque of each joint without it.
+        joints: joint motion of each motion, asked for if there is friction.
+        loaded: kinematics without it.
+    """
+    share = experiment.reality.friction
+    if not share:
+        return loaded
+    torques = [one.torque(joint) for one, joint in zip(loaded, joints(), strict=True)]
+    friction = share * np.max([np.abs(torque).max(axis=0) for torque in torques], axis=0)
+    found: dict[int, Kinematics] = {}
+    for one in loaded:
+        if id(one) not in found:
+            robot, model = one.robot, copy.copy(one.robot.model)
+            model.dof_frictionloss[robot.dof_address] += friction
+            found[id(one)] = Kinematics(replace(robot, model=model))
+    return [found[id(one)] for one in loaded]
