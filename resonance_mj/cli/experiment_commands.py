@@ -39,6 +39,10 @@ if TYPE_CHECKING:
     ROBOT,
     argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
     argument("--after", "a run's folder to go on from", metavar="RUN", type=Path),
+    argument(
+        "--checkpoint", "save the run so far every so many cycles", metavar="N", type=int, default=0
+    ),
+    flag("--resume", "go on with the run in --out that was interrupted or killed"),
     flag("--interpret", "run the law as plain Python, for a debugger"),
     flag("--certify", "check on the run what the stability proof claims"),
     flag("--strict", "refuse what will diverge, instead of a warning"),
@@ -65,6 +69,9 @@ def run(options: Namespace) -> int:
             progress=show,
             note=screen.note,
             stop=lambda: bool(came),
+            checkpoint=options.checkpoint,
+            folder=folder,
+            resume=_begun(folder) if options.resume else None,
         )
     run.save(folder)
     written = ["run.nc", "summary.json", "experiment.toml"]
@@ -89,6 +96,11 @@ def run(options: Namespace) -> int:
         return DONE
     complain(f"{name}: {run.status}: {run.message}")
     return ENDED_BY_SIGNAL + came[0] if run.status is rmj.Status.INTERRUPTED else NOT_WELL
+
+
+def _begun(folder: Path) -> rmj.Run | None:
+    """The run in a folder that is to be resumed; None where it was killed before a checkpoint."""
+    return rmj.Run.load(folder) if (folder / "run.nc").exists() else None
 
 
 @command(EXPERIMENT, ROBOT, keys=True, figures=True)

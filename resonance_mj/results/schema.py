@@ -77,13 +77,14 @@ VARIABLES = {
     "end": Variable(MOTION, "s", "end of the motion"),
     "period": Variable(MOTION, "s", "cycle time T"),
     "q_end": Variable(("joint",), "rad", "joint angle after the last time step"),
+    "checkpoint": Variable(("number",), "1", "whole state after the last cycle, to resume from"),
     "dq_end": Variable(("joint",), "rad/s", "joint velocity after the last time step"),
 }
 
 ELASTIC = ("parameter", "parameters_per_cycle", "parameters_optimal")
 """Variables that only runs with elastic elements besides the joints' springs have."""
 
-OPTIONAL = ("rotation_rms", "q_end", "dq_end", *ELASTIC)
+OPTIONAL = ("rotation_rms", "q_end", "dq_end", "checkpoint", *ELASTIC)
 """Variables that only runs of a task with rotation have, or those of this version."""
 
 KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
@@ -119,6 +120,13 @@ def dataset(
         {name: entry(name, about) for name, about in COORDINATES.items() if name in names},
         {"thinned": int(thinned)},
     )
+
+
+def with_checkpoint(data: xr.Dataset, state: np.ndarray) -> xr.Dataset:
+    """The dataset of a run that can be resumed, with its whole state (S,) at its end."""
+    about = VARIABLES["checkpoint"]
+    entry = about.dims, state, {"units": about.units, "long_name": about.meaning}
+    return data.assign(checkpoint=entry)
 
 
 def check(data: xr.Dataset) -> None:

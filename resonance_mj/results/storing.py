@@ -110,10 +110,16 @@ def _variables(hdf5: h5py.File, size: int) -> xr.Dataset:
         )
         if not (inside and isinstance(item, h5py.Dataset)):
             raise OutputError(f"{name} is no variable in this file")
+    items = {name: item for name, item in items.items() if not _length_alone(item)}
     if sum(item.size * item.dtype.itemsize for item in items.values()) > size:
         raise OutputError("its variables are larger than the file is")
     data = xr.Dataset({name: _variable(name, item) for name, item in items.items()})
     return data.set_coords([name for name in schema.COORDINATES if name in data])
+
+
+def _length_alone(item: h5py.Dataset) -> bool:
+    """Whether an item is the length of a dimension without coordinates, which holds no numbers."""
+    return bytes(item.attrs.get("NAME", b"")).startswith(b"This is a netCDF dimension but not")
 
 
 def _variable(name: str, item: h5py.Dataset) -> tuple[list[str], np.ndarray, dict[str, Any]]:

@@ -8,16 +8,18 @@ from ..laws.laws import at_limit, listens
 from ..laws.memory import COLUMNS, Memory
 from ..laws.tuning import Tuning
 from ..plan.plan import Plan
+from ..results import schema
 from ..results.motions import motions
 from ..results.run import Run
 from ..robots import elastic
 from ..springs.fit import LinearSprings
 from ..status import Status
+from .checkpoint import STATE, packed, unpacked
 from .continuing import Start
 from .ending import calmer, ending, hindrances, named
 from .loading import first_springs, load_law, load_motion, load_noise, load_springs, load_tuning
 from .recording import Recording
-from .stepper import Stepper
+from .stepper import Alone, Stepper
 
 
 class Member:
@@ -64,6 +66,19 @@ class Member:
         load_springs(memory, index, start.springs, self.plan.gains.bounds)
         self._others = start.springs.others
         memory["learned"][index, : len(start.u)] = start.u
+
+    def resume(self, run: Run) -> None:
+        """Take up a run after its last cycle, with all that it had then."""
+        assert isinstance(self._stepper, Alone)
+        physics, parameters, self._tuning = unpacked(run.data[STATE].values)
+        self._stepper.restore(physics)
+        self._others = self._others._replace(parameters=parameters)
+        done = run.data.sizes["cycle"]
+        last = self.plan.schedule[done - 1]
+        self._stepper.models[self._index] = self.plan.loaded[last].robot.model
+        self._passing = self.plan.blending(done - 1) is not None
+        self._steps = run.steps
+        self._recording.restore(run.data)
 
     def begin_cycle(self, cycle: int) -> None:
         """Set the load, the tables and the springs of a cycle of the run."""
@@ -118,6 +133,13 @@ class Member:
             self.status = Status.INTERRUPTED
             self._message = f"asked to stop, after cycle {cycle + 1} of {total}"
 
+    def checkpoint(self, cycle: int, wall_s: float) -> Run:
+        """The run after a cycle, as if it had been interrupted there; it goes on undisturbed."""
+        self.interrupt(cycle)
+        found = self.run(wall_s)
+        self.status, self._message = Status.OK, ""
+        return found
+
     def run(self, wall_s: float) -> Run:
         """The run so far.
 
@@ -129,6 +151,9 @@ class Member:
         robot, (qpos, qvel) = self.plan.robot, self._stepper.state(self._index)
         end = qpos[robot.qpos_address], qvel[robot.dof_address]
         data = self._recording.dataset(hindered, *end)
+        if self.status is Status.INTERRUPTED and isinstance(self._stepper, Alone):
+            state = packed(self._stepper.whole(), self._others.parameters, self._tuning)
+            data = schema.with_checkpoint(data, state)
         ended = ending(self.plan, motions(data), hindered)
         if self.status is Status.OK:
             self.status, self._message = ended.status, ended.message

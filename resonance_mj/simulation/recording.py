@@ -12,7 +12,7 @@ from ..motions.motion import sample
 from ..plan.plan import Plan
 from ..results import metrics, schema
 from ..robots.reach import reach
-from ..springs.elements import names
+from ..springs.elements import Elements, names
 from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
@@ -54,6 +54,30 @@ class Recording:
         self._lowest = np.inf
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
+
+    def restore(self, data: xr.Dataset) -> None:
+        """Take up what a run so far has recorded."""
+        figures = [name for name in self._cycles if name in data]
+        for cycle in range(data.sizes["cycle"]):
+            for name in figures:
+                value = data[name].values[cycle]
+                self._cycles[name].append(value if value.ndim else float(value))
+            if "parameters_per_cycle" not in data:
+                self._cycles["parameters_per_cycle"].append(np.empty(0))
+            self._time += self._plan.steps(self._plan.schedule[cycle]) * self._dt
+            self.diverges()
+        of_sample = data["cycle_of_sample"].values
+        for cycle in np.unique(of_sample).tolist():
+            mine = data.isel(time=np.flatnonzero(of_sample == cycle))
+            for name in self._samples:
+                self._samples[name].append(mine[name].values)
+            q, tau, center = (mine[name].values for name in ("q", "tau", "center"))
+            parameters = self._cycles["parameters_per_cycle"][cycle - 1]
+            others = Elements(self._robot.elements, np.asarray(parameters))
+            own = mine["stiffness"].values, mine["offset"].values
+            total = tau + LinearSprings(*own, center[0], others).torque(q)
+            last = LastCycle(q, tau, total, center[0])
+            self.last[int(self._segment[cycle - 1])] = last
 
     def diverges(self) -> str:
         """Why the last cycle shows that the run diverges; empty if it does not.

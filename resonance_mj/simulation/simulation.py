@@ -2,6 +2,8 @@
 
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
 
 import mujoco
 
@@ -13,9 +15,19 @@ from ..results.run import Run
 from ..robots.warned import heard
 from ..status import Status
 from . import continuing
+from .checkpoint import check as check_resumed
 from .continuing import Start
 from .member import Member
 from .stepper import Alone, Stepper, Together
+
+
+class Keep(NamedTuple):
+    """How often and where a run so far is saved."""
+
+    every: int
+    """Cycles."""
+    folder: str | Path
+
 
 Progress = Callable[[int, int], None]
 """Called after each cycle with the number of cycles done and the number of all."""
@@ -30,6 +42,9 @@ def simulate(
     progress: Progress | None = None,
     note: Callable[[str], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    checkpoint: int = 0,
+    folder: str | Path | None = None,
+    resume: Run | None = None,
 ) -> Run:
     """Simulate one experiment.
 
@@ -45,6 +60,11 @@ def simulate(
         note: called before the first step with each thing that was found, changed or is doubtful,
             and after the last with what the run showed; they stand in `Run.notes` too.
         stop: asked after each cycle whether to end there, with status INTERRUPTED.
+        checkpoint: cycles after which the run so far is saved in `folder`, again and again, with
+            status INTERRUPTED and all that it takes to resume it; 0 for never.
+        folder: where it is saved.
+        resume: an interrupted run of this experiment, which goes on where it was, and ends with the
+            same bits as if nothing had happened.
 
     Returns:
         The run. One that diverges stops there, with status DIVERGED and what was recorded; one
@@ -54,7 +74,9 @@ def simulate(
     Raises:
         RobotError: the robot cannot be loaded.
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
-        ExperimentError: `after` is a run of another arm or task, or one that did not end.
+        ExperimentError: `after` is a run of another arm or task, or one that did not end; or
+            `resume` one that did, or is of another experiment, of other files or versions.
+        OutputError: a checkpoint cannot be saved.
         StabilityError: the feedback or the learning will diverge, and `strict` is set.
         CallbackError: another simulation is running in this process.
     """
@@ -66,8 +88,17 @@ def simulate(
     note = note or (lambda line: None)
     for line in plan.notes:
         note(line)
+    if resume is not None:
+        check_resumed(resume, plan)
     (run,) = simulate_plans(
-        [plan], Alone, interpret=interpret, start=start, progress=progress, stop=stop
+        [plan],
+        Alone,
+        interpret=interpret,
+        start=start,
+        progress=progress,
+        stop=stop,
+        keep=Keep(checkpoint, folder) if checkpoint and folder is not None else None,
+        resume=resume,
     )
     for line in run.notes[len(plan.notes) :]:
         note(line)
@@ -142,6 +173,8 @@ def simulate_plans(
     start: Start | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    keep: Keep | None = None,
+    resume: Run | None = None,
 ) -> list[Run]:
     """Simulate plans that fit together, cycle by cycle.
 
@@ -152,6 +185,8 @@ def simulate_plans(
         start: what all of them go on from; rest at home if not given.
         progress: called after each cycle with the cycles done and the cycles in all.
         stop: asked after each cycle whether to end there.
+        keep: of a plan alone, how often and where its run so far is saved.
+        resume: of a plan alone, the run that it takes up.
 
     Returns:
         The runs, in the order of the plans.
@@ -168,9 +203,12 @@ def simulate_plans(
     stepper = stepper_of([plan.robot.model for plan in plans])
     memory = Memory(stepper.userdata, first.layout)
     members = [Member(plan, memory, stepper, index, start) for index, plan in enumerate(plans)]
-    wall = 0.0
+    wall, done = 0.0, 0
+    if resume is not None:
+        members[0].resume(resume)
+        wall, done = resume.simulation_wall_s, resume.data.sizes["cycle"]
     with heard(), installed(interpret=interpret, command=first.law.command):
-        for cycle, segment in enumerate(first.schedule):
+        for cycle, segment in list(enumerate(first.schedule))[done:]:
             going = [i for i, member in enumerate(members) if member.status is Status.OK]
             if not going:
                 break
@@ -184,6 +222,9 @@ def simulate_plans(
                 members[i].end_cycle(cycle)
             if progress:
                 progress(cycle + 1, len(first.schedule))
+            going = [i for i in going if members[i].status is Status.OK]
+            if keep and going and (cycle + 1) % keep.every == 0:
+                members[0].checkpoint(cycle, wall).save(keep.folder)
             if stop is not None and stop():
                 for i in going:
                     members[i].interrupt(cycle)

@@ -5,6 +5,7 @@ from typing import Protocol
 import mujoco
 import numpy as np
 
+from ..errors import ExperimentError
 from ..robots.warned import counted
 
 
@@ -27,6 +28,10 @@ class Stepper(Protocol):
         """What MuJoCo has warned of in a robot's steps."""
 
 
+WHOLE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+"""All of mjData that its next step depends on, `userdata` included."""
+
+
 class Alone:
     """One robot in one mjData, `data`."""
 
@@ -46,6 +51,18 @@ class Alone:
     def step(self, robots: list[int], steps: int) -> None:
         """Advance the robot by a number of time steps."""
         mujoco.mj_step(self.models[0], self.data, steps)
+
+    def whole(self) -> np.ndarray:
+        """The whole state of the robot (S,)."""
+        state = np.empty(mujoco.mj_stateSize(self.models[0], WHOLE))
+        mujoco.mj_getState(self.models[0], self.data, state, WHOLE)
+        return state
+
+    def restore(self, state: np.ndarray) -> None:
+        """Bring the robot to a whole state (S,)."""
+        if len(state) != mujoco.mj_stateSize(self.models[0], WHOLE):
+            raise ExperimentError("its checkpoint is of another model")
+        mujoco.mj_setState(self.models[0], self.data, state, WHOLE)
 
     def warnings(self, robot: int) -> list[str]:
         """What MuJoCo has warned of in the robot's steps."""
