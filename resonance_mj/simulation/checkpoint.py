@@ -69,11 +69,10 @@ def check(run: Run, plan: Plan) -> None:
     """See that a run can go on as a plan.
 
     Raises:
-        ExperimentError: it has ended, or is of another experiment, other files or versions.
+        ExperimentError: it is of another experiment, other files or versions, or was interrupted
+            without keeping its state.
     """
     name = f"run {run.experiment.name!r}"
-    if run.status is not Status.INTERRUPTED or STATE not in run.data:
-        raise ExperimentError(f"{name} ended as {run.status}: there is nothing to resume")
     paths = {one.key: str(one.path) for one in run.inputs if one.key}
     same = plan.experiment.replace(paths) == run.experiment.replace(paths)
     digests = [[one.digest for one in inputs] for inputs in (plan.inputs, run.inputs)]
@@ -89,3 +88,5 @@ def check(run: Run, plan: Plan) -> None:
         raise ExperimentError(
             f"{name} was begun with {listed(other)}: its end would be another; begin it anew"
         )
+    if run.status is Status.INTERRUPTED and STATE not in run.data:
+        raise ExperimentError(f"{name} did not keep the state that it takes to resume it")

@@ -21,11 +21,15 @@ from .member import Member
 from .stepper import Alone, Stepper, Together
 
 
+SELDOM = 20
+"""Least time between two checkpoints, as a multiple of what one takes."""
+
+
 class Keep(NamedTuple):
     """How often and where a run so far is saved."""
 
     every: int
-    """Cycles."""
+    """Cycles, or more where these take less time than `SELDOM` allows."""
     folder: str | Path
 
 
@@ -61,10 +65,11 @@ def simulate(
             and after the last with what the run showed; they stand in `Run.notes` too.
         stop: asked after each cycle whether to end there, with status INTERRUPTED.
         checkpoint: cycles after which the run so far is saved in `folder`, again and again, with
-            status INTERRUPTED and all that it takes to resume it; 0 for never.
+            status INTERRUPTED and all that it takes to resume it; 0 for never. It takes at most a
+            twentieth of the time: cycles that are simulated faster are more.
         folder: where it is saved.
         resume: an interrupted run of this experiment, which goes on where it was, and ends with the
-            same bits as if nothing had happened.
+            same bits as if nothing had happened; one that has ended is returned as it is.
 
     Returns:
         The run. One that diverges stops there, with status DIVERGED and what was recorded; one
@@ -75,7 +80,7 @@ def simulate(
         RobotError: the robot cannot be loaded.
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
         ExperimentError: `after` is a run of another arm or task, or one that did not end; or
-            `resume` one that did, or is of another experiment, of other files or versions.
+            `resume` is of another experiment, of other files or versions.
         OutputError: a checkpoint cannot be saved.
         StabilityError: the feedback or the learning will diverge, and `strict` is set.
         CallbackError: another simulation is running in this process.
@@ -90,6 +95,8 @@ def simulate(
         note(line)
     if resume is not None:
         check_resumed(resume, plan)
+        if resume.status is not Status.INTERRUPTED:
+            return resume
     (run,) = simulate_plans(
         [plan],
         Alone,
@@ -203,7 +210,7 @@ def simulate_plans(
     stepper = stepper_of([plan.robot.model for plan in plans])
     memory = Memory(stepper.userdata, first.layout)
     members = [Member(plan, memory, stepper, index, start) for index, plan in enumerate(plans)]
-    wall, done = 0.0, 0
+    wall, done, again = 0.0, 0, 0.0
     if resume is not None:
         members[0].resume(resume)
         wall, done = resume.simulation_wall_s, resume.data.sizes["cycle"]
@@ -223,8 +230,10 @@ def simulate_plans(
             if progress:
                 progress(cycle + 1, len(first.schedule))
             going = [i for i in going if members[i].status is Status.OK]
-            if keep and going and (cycle + 1) % keep.every == 0:
+            if keep and going and (cycle + 1) % keep.every == 0 and time.perf_counter() >= again:
+                began = time.perf_counter()
                 members[0].checkpoint(cycle, wall).save(keep.folder)
+                again = (1 + SELDOM) * time.perf_counter() - SELDOM * began
             if stop is not None and stop():
                 for i in going:
                     members[i].interrupt(cycle)
