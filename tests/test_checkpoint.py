@@ -130,12 +130,13 @@ def test_a_killed_run_goes_on_with_the_same_command_and_leaves_nothing_behind(tm
         # Killed in the midst of its work: as soon as it has written once more.
         while process.poll() is None and not (file.exists() and file.stat().st_mtime_ns != before):
             time.sleep(0.005)
-        assert process.poll() is None, process.stderr.read()
+        assert process.poll() is None, process.communicate()
         os.kill(process.pid, signal.SIGKILL)
-        process.wait()
+        process.communicate()
         assert rmj.Run.load(folder).status is Status.INTERRUPTED
     process = command(folder)
-    assert process.wait() == 0, process.stderr.read()
+    _, said = process.communicate()
+    assert process.returncode == 0, said
     asked = rmj.load("two-link-transfer").replace(
         {"motion.0.duration": 20.0, "motion.1.duration": 20.0, "simulation.timestep": 2e-4}
     )

@@ -20,7 +20,6 @@ from .continuing import Start
 from .member import Member
 from .stepper import Alone, Stepper, Together
 
-
 SELDOM = 20
 """Least time between two checkpoints, as a multiple of what one takes."""
 
