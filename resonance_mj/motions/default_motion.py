@@ -167,7 +167,13 @@ def _beside(
             width = np.ptp(robot.model.jnt_range[robot.joint_id], axis=1)
             inside = to_limit(middle, robot) > LIMITS * width
             free = not touching(robot.model, robot.positions(middle[None]))
-            if free and values[-1] > ROOMY * values[0] and (inside | ~robot.limited).all():
+            roomy = free and values[-1] > ROOMY * values[0]
+            if not (roomy and (inside | ~robot.limited).all()):
+                continue
+            # Where the smallest finds no room, none of the larger ones does.
+            smallest = SHARE * reach(robot) * SHRINK ** (TRIES - 1)
+            small = candidate.model_copy(update={"size": (smallest, smallest / 2)})
+            if not _obstacle(small, kinematics, middle, name, alpha_0, bounds):
                 return sized(candidate, kinematics, name, alpha_0, bounds)
         except MotionError:
             continue

@@ -116,11 +116,12 @@ class Optimum:
             # It exceeds that of the best k* by var(q) (k - k*)² at least.
             best, furthest = self.stiffness[j], np.sqrt(allowed / (z[:, j] ** 2).mean())
             for side, bound in enumerate(ends[j]):
-                end = best + (2 * side - 1) * 1.001 * furthest
-                if allowed and abs(bound - best) > furthest:
-                    ends[j, side] = brentq(beyond, best, end)
-                elif beyond(bound) > 0:
-                    ends[j, side] = brentq(beyond, best, bound) if bound != best else best
+                end = bound
+                if abs(bound - best) > furthest:
+                    end = best + (2 * side - 1) * 1.001 * furthest
+                if beyond(end) > 0:
+                    # That of the best is at most, but for rounding.
+                    ends[j, side] = brentq(beyond, best, end) if beyond(best) < 0 else best
         return ends
 
 
