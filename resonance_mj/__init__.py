@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .pictures.viewer.view import view
     from .plan.plan import optimum
     from .results.run import Run, Status
+    from .simulation.outside import Controller
     from .simulation.simulation import simulate, simulate_many
     from .springs.optimum import Optimum
     from .sweeps.sweep import sweep
@@ -36,6 +37,7 @@ _HOMES = {
     "plot": "pictures.figures.catalogue",
     "RenderOptions": "pictures.film.options",
     "report": "pictures.page.report",
+    "Controller": "simulation.outside",
     "Run": "results.run",
     "Status": "results.run",
     "simulate": "simulation.simulation",
@@ -49,6 +51,7 @@ __all__ = [
     "Certificate",
     "Certificates",
     "Comparison",
+    "Controller",
     "Experiment",
     "Optimum",
     "RenderOptions",

@@ -38,11 +38,7 @@ def translate(
     Raises:
         ExperimentError: Numba cannot compile the command of a law's file.
     """
-    for function in (*STEP_FUNCTIONS, command):
-        # What makes the views is inlined, so that those that are not used cost nothing.
-        register_jitable(forceinline=function in (own, row))(function)
-    law = custom(command)
-    command = command if law is None else _guarded(command, law)
+    command, law = _registered(command)
     jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
     userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
 
@@ -93,6 +89,29 @@ def translate(
             "--interpret runs it as plain Python"
         ) from error
     return compiled.inspect_llvm(), compiled.native_name
+
+
+def stepping(
+    step_of: Callable[[Command], Callable[..., None]], command: Command
+) -> Callable[..., None]:
+    """A function around a control step, compiled for calls from Python.
+
+    Args:
+        step_of: makes the function, of step functions and a command.
+        command: the part of the control step that sets y and τ.
+    """
+    command, _ = _registered(command)
+    compiled: Callable[..., None] = numba.njit(error_model="numpy")(step_of(command))
+    return compiled
+
+
+def _registered(command: Command) -> tuple[Command, Callable[..., None] | None]:
+    """A command as compiled code can call it, with all that a step is made of; and a user's law."""
+    for function in (*STEP_FUNCTIONS, command):
+        # What makes the views is inlined, so that those that are not used cost nothing.
+        register_jitable(forceinline=function in (own, row))(function)
+    law = custom(command)
+    return (command if law is None else _guarded(command, law)), law
 
 
 def _guarded(command: Command, law: Callable[..., None]) -> Command:

@@ -117,7 +117,7 @@ class Member:
                 f"cycle {cycle + 1}; --interpret says which, and in which line"
             )
         signals = self._signals(failed - 1 if failed else steps)
-        springs = self._springs
+        springs = self.springs
         self._recording.add(signals, springs, whole=not failed)
         self._steps += len(signals["q"])
         self._message = self._what_diverged(cycle, failed)
@@ -172,7 +172,8 @@ class Member:
         )
 
     @property
-    def _springs(self) -> LinearSprings:
+    def springs(self) -> LinearSprings:
+        """The springs that act."""
         k, offset, center = (self._memory[name][self._index] for name in _SPRINGS)
         return LinearSprings(k, offset, center, self._others)
 
