@@ -155,14 +155,15 @@ class Member:
             state = packed(self._stepper.whole(), self._others.parameters, self._tuning)
             data = schema.with_checkpoint(data, state)
         ended = ending(self.plan, motions(data), hindered)
-        if self.status is Status.OK:
-            self.status, self._message = ended.status, ended.message
+        status, message = self.status, self._message
+        if status is Status.OK:
+            status, message = ended.status, ended.message
         found = self._tuning.said(self.plan.experiment.simulation.timestep)
         notes = (*self.plan.notes, *ended.notes, *found, *self._stepper.warnings(self._index))
         return Run(
             experiment=self.plan.experiment,
-            status=self.status,
-            message=self._message,
+            status=status,
+            message=message,
             notes=tuple(dict.fromkeys(notes)),
             data=data,
             steps=self._steps,

@@ -62,6 +62,10 @@ class Controller:
         self._spring = np.zeros(robot.model.njnt), np.zeros(robot.model.nq)
         self._do = _compiled(plan.law.command) if compiled else _plain(plan.law.command)
         self._member.begin_cycle(0)
+        shapes = (robot.n,), (robot.n,), (len(robot.position_axes),), (robot.m, robot.n)
+        self._measured = [np.zeros(shape) for shape in shapes]
+        if compiled:  # now, on a copy, and not in the first step of an arm that waits
+            self._call(self._block.copy())
 
     @property
     def steps(self) -> int:
@@ -96,7 +100,6 @@ class Controller:
         Raises:
             ExperimentError: the cycle has had all of its steps, or the run has diverged.
         """
-        outside = self._outside
         if self._step == self.steps or self._member.status is not Status.OK:
             raise ExperimentError(
                 f"cycle {self._cycle + 1} of {self.cycles} has had its {self.steps} steps: call "
@@ -106,21 +109,17 @@ class Controller:
             )
         if orientation is not None:
             self._orientation[:] = orientation
-        self._do(
-            self._block,
-            q,
-            dq,
-            x,
-            J,
-            outside.qpos,
-            outside.qvel,
-            self._tool,
-            self._orientation,
-            outside.ctrl,
-            *self._spring,
-        )
+        for mine, given_one in zip(self._measured, (q, dq, x, J), strict=True):
+            mine[:] = given_one
+        self._call(self._block)
         self._step += 1
         return self._tau
+
+    def _call(self, block: np.ndarray) -> None:
+        outside = self._outside
+        place = self._tool, self._orientation
+        arrays = (outside.qpos, outside.qvel, *place, outside.ctrl, *self._spring)
+        self._do(block, *self._measured, *arrays)
 
     def end_cycle(self) -> LinearSprings:
         """Learn from the cycle that is done, and begin the next.
