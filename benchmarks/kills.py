@@ -2,9 +2,9 @@
 
     python benchmarks/kills.py [--kills N] [--seed S]
 
-Each time `run --checkpoint 2 --resume` is begun and killed with SIGKILL after up to six seconds; what
-it left must be a whole run, and each run that comes to its end must have the bits of one that was
-never killed. Prints how often it came to its end, and exits 1 where anything differed.
+Each time `run --checkpoint 2 --resume` is begun and killed with SIGKILL after up to six seconds;
+what it left must be a whole run, and each run that comes to its end must have the bits of one that
+was never killed. Prints how often it came to its end, and exits 1 where anything differed.
 """
 
 import argparse

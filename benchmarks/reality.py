@@ -33,6 +33,7 @@ ROWS = {
     "measurement 10 ms late": {"reality": {"measurement_delay": 0.01}},
     "torque 10 ms late": {"reality": {"torque_delay": 0.01}},
     "control at 200 Hz": {"reality": {"control_period": 0.005}},
+    "stiffness at 1 N m/rad/s": {"reality": {"stiffness_rate": 1.0}},
     "friction of 10 %": {"reality": {"friction": 0.1}},
     "`lab`": {"reality": "lab"},
     "`cheap`, growing over 12 cycles": {"reality": "cheap", "blend": 12},

@@ -187,6 +187,19 @@ def judged(run):
     assert (run.status == "ok") == (not off)
 
 
+@pytest.mark.parametrize("rate", [1.0, 5.0])
+def test_springs_that_take_time_arrive_at_the_optimum_and_never_jump(rate):
+    run = rmj.simulate(arm({"stiffness_rate": rate}))
+    dt = run.experiment.simulation.timestep
+    moved = np.abs(np.diff(run.data["stiffness"].values, axis=0)).max()
+    assert moved <= rate * dt * (1 + 1e-9)
+    for motion in run.motions:
+        assert motion.torque_squared[-1] == pytest.approx(motion.torque_squared_optimal, rel=0.03)
+        assert motion.tracking_rms[-1] < 1e-6
+    # On the way tool and torque are as they would be: the motors bear what springs have not.
+    assert run.data["tracking_rms"].values[5:60].max() < 1e-3
+
+
 @pytest.mark.parametrize("payload", [2.0, 4.0])
 @pytest.mark.parametrize("name", ["two-link-transfer", "seven-joint"])
 def test_a_payload_that_nobody_announced_settles_within_a_millimetre(payload, name):

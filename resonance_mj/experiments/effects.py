@@ -37,6 +37,8 @@ def _reasons(
     adapts = own or law.kind in ("paper", "transfer")
     learns = law.kind not in ("feedback", "computed-torque")
     by_hand = law.k_v is not None or law.k_p is not None
+    if law.kind != "transfer":
+        yield "reality.stiffness_rate", f"{kind} does not set springs between cycles"
     if limited is False:
         yield "robot.limits", "no joint of the arm has a range"
     if not own:

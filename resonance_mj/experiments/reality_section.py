@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ..text import listed, nearest, shown
-from .sections import Gains, Section
+from .sections import Gains, Positive, Section
 
 Share = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False, strict=True)]
 Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
@@ -66,6 +66,9 @@ class Reality(Section):
     motor_torque: Gains | None = None
     """Largest torque of the motors [N m], one for all joints or one each, where it is less than
     what the robot's file allows."""
+    stiffness_rate: Positive | None = None
+    """How fast the mechanism that sets a spring changes its stiffness [N m/rad/s], which the law
+    knows; at once if not given."""
     friction: Share = 0.0
     """Dry friction of each joint, as a share of the largest torque that it needs without springs
     or friction."""

@@ -201,6 +201,9 @@ def adapt(memory: np.ndarray, q: np.ndarray) -> None:
     for j in range(own.n):
         gamma_k, gamma_qe, y = own.gamma_k[j], own.gamma_qe[j], own.y[j]
         if gamma_k == 0.0 and gamma_qe == 0.0:
+            # On its way to where the law wants it, if its mechanism takes time.
+            own.stiffness[j] += own.stiffness_step[j]
+            own.offset[j] += own.offset_step[j]
             continue
         k_rate, offset_rate = equations.spring_rates(gamma_k, gamma_qe, q[j], own.q_c[j], y)
         k, offset = own.stiffness[j] + dt * k_rate, own.offset[j] + dt * offset_rate

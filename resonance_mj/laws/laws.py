@@ -7,7 +7,7 @@ import numpy as np
 
 from ..experiments import law_section
 from ..experiments.experiment import Experiment
-from ..springs.bounds import passive
+from ..springs.bounds import near, passive
 from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
@@ -96,7 +96,9 @@ def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learn
     # What was measured was so much before.
     q = np.roll(cycle.q, -cycle.tuning.delay, axis=0)
     bounds = passive(gains.bounds) if at_limit(cycle, gains) else gains.bounds
-    return learning.transfer(v, q, cycle.springs, bounds)
+    if np.isfinite(cycle.farthest):
+        bounds = near(bounds, cycle.springs.stiffness, cycle.farthest)
+    return learning.transfer(v, q, cycle.acting or cycle.springs, bounds)
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:

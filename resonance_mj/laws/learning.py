@@ -35,6 +35,14 @@ class Cycle(NamedTuple):
     """Time steps of a control period."""
     tuning: Tuning = Tuning()
     """What is known of the loop."""
+    acting: LinearSprings | None = None
+    """The springs at each step (N, n), where they were on their way to `springs`."""
+    farthest: float = np.inf
+    """How far a stiffness can change in the next cycle [N m/rad]."""
+
+    def spring_torque(self, q: np.ndarray) -> np.ndarray:
+        """Torque of the springs in the cycle at joint angles (N, n) [N m]."""
+        return (self.acting or self.springs).torque(q)
 
 
 class Learned(NamedTuple):

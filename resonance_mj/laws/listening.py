@@ -94,7 +94,7 @@ def tuned(
         limited: whether a motor was at its limit, where it answers to nothing.
         passing: whether the motion still grew, so that there was more to learn in each cycle.
     """
-    total = cycle.u + cycle.springs.torque(np.roll(cycle.q, -tuning.delay, axis=0))
+    total = cycle.u + cycle.spring_torque(np.roll(cycle.q, -tuning.delay, axis=0))
     noise = _noise(cycle.y[:: cycle.hold], gains.feedback)
     found = tuning._replace(before=None)
     if not limited:

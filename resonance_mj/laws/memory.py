@@ -27,7 +27,8 @@ _SHAPES: dict[tuple[str, ...], str] = {
     ("three", "three"): "orientation desired orientation_seen",
     ("joints",): "qpos_address dof_address joint_id actuator_id posture torque_limit tau_min "
     "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq "
-    "angle speed angle_before seen commanded slow slower",
+    "angle speed angle_before seen commanded slow slower "
+    "stiffness_step offset_step",
     ("coordinates",): "coordinate k_v k_p error rate s",
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",

@@ -122,6 +122,8 @@ def own(memory: np.ndarray) -> Any:
         angle_before=vector(memory, memory[Header.ANGLE_BEFORE], n),
         seen=vector(memory, memory[Header.SEEN], n),
         commanded=vector(memory, memory[Header.COMMANDED], n),
+        stiffness_step=vector(memory, memory[Header.STIFFNESS_STEP], n),
+        offset_step=vector(memory, memory[Header.OFFSET_STEP], n),
         slow=vector(memory, memory[Header.SLOW], n),
         slower=vector(memory, memory[Header.SLOWER], n),
         J=matrix(memory, memory[Header.J], m, n),

@@ -71,6 +71,15 @@ def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bou
     memory["low"][index], memory["high"][index] = reach(bounds, springs.center)
 
 
+def load_way(
+    memory: Memory, index: int, begin: LinearSprings, end: LinearSprings, steps: int
+) -> None:
+    """Let springs begin a cycle of so many steps as they were, and be at its end as they shall."""
+    for name, first, last in zip(("stiffness", "offset"), begin, end, strict=False):
+        memory[name][index] = first
+        memory[f"{name}_step"][index] = (last - first) / steps
+
+
 def first_springs(plan: Plan) -> LinearSprings:
     """The springs at the start, about q_c; 0 stands for what is nearest to it and allowed."""
     own = _first_of_joints(plan)

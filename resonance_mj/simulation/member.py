@@ -1,5 +1,7 @@
 """One robot of those that step together: what is done before and after each of its cycles."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import ExperimentError
@@ -17,7 +19,15 @@ from ..status import Status
 from .checkpoint import STATE, packed, unpacked
 from .continuing import Start
 from .ending import calmer, ending, hindrances, named
-from .loading import first_springs, load_law, load_motion, load_noise, load_springs, load_tuning
+from .loading import (
+    first_springs,
+    load_law,
+    load_motion,
+    load_noise,
+    load_springs,
+    load_tuning,
+    load_way,
+)
 from .recording import Recording
 from .stepper import Alone, Stepper
 
@@ -186,21 +196,11 @@ class Member:
     def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
         """Replace the learned torque of a cycle by that of the next; short passages teach none."""
         memory, index, plan = self._memory, self._index, self.plan
-        learned, reality = signals["u"], plan.experiment.reality
-        dt = plan.experiment.simulation.timestep
+        following = plan.steps(plan.schedule[cycle + 1])
+        learned = signals["u"]
+        memory["stiffness_step"][index] = memory["offset_step"][index] = 0.0
         if not self._passing or plan.experiment.motion[plan.schedule[cycle]].gradual:
-            done = learning.Cycle(
-                u=learned,
-                y=signals["y"],
-                q=self._seen(signals["q"]),
-                tau=signals["tau"],
-                q_desired=memory["q_desired"][index, : len(learned)],
-                springs=springs,
-                q_s=plan.q_s,
-                timestep=dt,
-                hold=reality.steps("control_period", dt),
-                tuning=self._tuning,
-            )
+            done = self._done(signals, springs)
             if self._listens:
                 limited = at_limit(done, plan.gains) > 0.0
                 self._tuning = listening.tuned(
@@ -208,11 +208,40 @@ class Member:
                 )
                 load_tuning(memory, index, plan, self._tuning)
                 done = done._replace(tuning=self._tuning)
-            learned, springs = plan.law.learn(done, plan.gains, plan.experiment)
-            load_springs(memory, index, springs, plan.gains.bounds)
-            self._others = springs.others
-        following = plan.steps(plan.schedule[cycle + 1])
+            learned, wanted = plan.law.learn(done, plan.gains, plan.experiment)
+            begin = springs.about(wanted.center)
+            begin = replace(begin, stiffness=springs.stiffness.copy(), others=wanted.others)
+            load_springs(memory, index, wanted, plan.gains.bounds)
+            self._others = wanted.others
+            if np.isfinite(done.farthest):
+                load_way(memory, index, begin, wanted, following)
+                left = 1.0 - np.arange(len(learned))[:, None] / len(learned)
+                ahead = wanted.torque(done.q) - begin.torque(done.q)
+                learned = learned + left * ahead
         memory["learned"][index, :following] = learning.resample(learned, following)
+
+    def _done(self, signals: dict[str, np.ndarray], springs: LinearSprings) -> learning.Cycle:
+        """A cycle's signals as its law sees them."""
+        plan, reality = self.plan, self.plan.experiment.reality
+        dt, steps = plan.experiment.simulation.timestep, len(signals["u"])
+        slow = reality.stiffness_rate is not None and plan.law.listens
+        acting = LinearSprings(
+            signals["stiffness"], signals["offset"], springs.center, springs.others
+        )
+        return learning.Cycle(
+            u=signals["u"],
+            y=signals["y"],
+            q=self._seen(signals["q"]),
+            tau=signals["tau"],
+            q_desired=self._memory["q_desired"][self._index, :steps],
+            springs=springs,
+            q_s=plan.q_s,
+            timestep=dt,
+            hold=reality.steps("control_period", dt),
+            tuning=self._tuning,
+            acting=acting if slow else None,
+            farthest=(reality.stiffness_rate or np.inf) * steps * dt if slow else np.inf,
+        )
 
     def _seen(self, q: np.ndarray) -> np.ndarray:
         """Joint angles of a cycle (N, n) as they were measured; it is taken to follow its like."""

@@ -51,6 +51,12 @@ def passive(bounds: JointBounds) -> JointBounds:
     return bounds._replace(stiffness=(np.where(most >= 0, np.maximum(least, 0.0), least), most))
 
 
+def near(bounds: JointBounds, stiffness: np.ndarray, away: float) -> JointBounds:
+    """The same with stiffnesses at most so far from given ones (n,), or as near as they allow."""
+    least, most = (np.clip(stiffness + side * away, *bounds.stiffness) for side in (-1, 1))
+    return bounds._replace(stiffness=(least, most))
+
+
 def per_joint(
     springs: Springs, joints: tuple[str, ...], elements: tuple[Element, ...], source: str
 ) -> JointBounds:
