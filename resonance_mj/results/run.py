@@ -12,9 +12,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from ..experiments.experiment import Experiment
+from ..springs.elements import Elements
 from ..status import Status
 from ..text import NOTHING, length, number, percent
 from . import html, storing
@@ -104,6 +106,31 @@ class Run:
     def equilibrium(self) -> xr.DataArray:
         """Equilibrium angle of each joint's spring in the last whole cycle (joint) [rad]."""
         return self.data["equilibrium_per_cycle"][-1]
+
+    def elements(self, parameters: np.ndarray) -> Elements:
+        """The arm's elastic elements besides the joints' springs, with parameters (P,).
+
+        Raises:
+            RobotError: there are some, and the robot's file is missing or not valid.
+        """
+        return Elements(self.plan.robot.elements, parameters) if len(parameters) else Elements()
+
+    def elastic_torque(self, cycle: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Torque of the elements besides the joints' springs, at samples of the run (N, n) [N m].
+
+        Args:
+            cycle: that each belongs to, counted from 1 (N,).
+            q: joint angles (N, n) [rad].
+        """
+        found = np.zeros_like(q)
+        if "parameter" in self.data:
+            of_cycle = self.data["parameters_per_cycle"].values
+            for number in np.unique(cycle):
+                mine = cycle == number
+                # A run that diverged ends within a cycle, whose elements were not kept.
+                acting = self.elements(of_cycle[min(number, len(of_cycle)) - 1])
+                found[mine] = acting.torque(q[mine])
+        return found
 
     def __repr__(self) -> str:
         ended = [motion for motion in self.motions if len(motion.cycles)]

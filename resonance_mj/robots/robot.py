@@ -41,7 +41,7 @@ class Robot:
         dof_address: their addresses in qvel (n,).
         actuator_id: the motor of each (n,).
         followers: the joints that are coupled to these.
-        elements: elastic elements besides the joints' springs, which the model has as tendons.
+        elements: elastic elements besides the joints' springs; the model's tendons.
         site: id of the tool's site.
         axes: names of the task's coordinates: of x, y, z, and rx, ry, rz for rotation (m).
         coordinate: their numbers, 0 to 5 (m,).
@@ -163,7 +163,7 @@ class Robot:
 
 
 Room = Callable[[int, int, int], int]
-"""Numbers to reserve in `userdata`, of an arm with so many joints, task coordinates and dofs."""
+"""Numbers to reserve in `userdata`, of so many joints, task coordinates and dofs."""
 
 
 def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs: 0) -> Robot:
@@ -276,9 +276,7 @@ def _torque_limits(
 ) -> np.ndarray:
     limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
     limits = np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
-    if most is None:
-        return limits
-    largest = np.broadcast_to(np.asarray(most, float), len(limits))[:, None]
+    largest = np.broadcast_to(np.inf if most is None else np.asarray(most), len(limits))[:, None]
     return np.clip(limits, -largest, largest)
 
 

@@ -10,6 +10,7 @@ from ...results.cycles import Cycle, kept
 from ...results.motions import MotionOfRun
 from ...results.run import Run
 from ...springs import spring as law
+from ...springs.elements import Elements
 from ...text import minus, of_joint
 from ..palette import DESIRED, MOTOR, MUTED, OPTIMAL, SPRING_NEGATIVE, SPRING_POSITIVE
 from .sheet import Row, Sheet, heading
@@ -39,7 +40,11 @@ def draw(run: Run, width: float) -> Figure:
     """
     joints = run.data["joint"].values.tolist()
     last = {cycle.motion: cycle for cycle in kept(run)}
-    found = [(one, j, _exerted_in(one, j)) for one in last.values() for j in range(len(joints))]
+    found = [
+        (one, j, _exerted_in(one, run.elements(one.parameters), j))
+        for one in last.values()
+        for j in range(len(joints))
+    ]
     unseen = NEGATIVE if all(one.stiffness >= 0 for _, _, one in found) else ""
     most = max(1, int(width / (NARROW + LEFT)))
     each = -(-len(joints) // most)  # rows that a motion takes
@@ -63,7 +68,9 @@ def draw(run: Run, width: float) -> Figure:
             name=joints[j],
             notes=(spring_in_words(exerted, slides), saved_in_words(exerted, slides)),
         )
-        _loops(ax, exerted, run.motions[cycle.motion], j)
+        motion = run.motions[cycle.motion]
+        best = run.elements(np.array(list(motion.parameters_optimal.values())))
+        _loops(ax, exerted, motion, j, best.torque(cycle.q)[:, j] if best.elements else None)
         ax.set_xlabel("joint position q [m]" if slides else "joint angle q [rad]")
         ax.set_ylabel("force [N]" if slides else "torque [N m]")
     return sheet.figure
@@ -96,10 +103,12 @@ class Exerted(NamedTuple):
         return self.spring + self.motor
 
 
-def _exerted_in(cycle: Cycle, joint: int) -> Exerted:
-    """What spring and motor exerted in a cycle, and the line through the spring's part."""
+def _exerted_in(cycle: Cycle, others: Elements, joint: int) -> Exerted:
+    """What springs, elements and motor exerted in a cycle, and the line through the springs'."""
     q = cycle.q[:, joint]
     spring = law.torque(cycle.stiffness[:, joint], cycle.offset[:, joint], q, cycle.center[joint])
+    if others.elements:
+        spring = spring + others.torque(cycle.q)[:, joint]
     z, variance = q - q.mean(), float(q.var())
     stiffness = -float((z * spring).mean()) / variance if variance > law.STILL else 0.0
     return Exerted(q, spring, cycle.tau[:, joint], stiffness)
@@ -128,13 +137,20 @@ def saved_in_words(exerted: Exerted, slides: bool) -> str:
     return f"{abs(1 - share):.1%} {'less' if share <= 1.0005 else 'more'} {what}"
 
 
-def _loops(ax: Axes, exerted: Exerted, motion: MotionOfRun, joint: int) -> None:
-    """Torque over angle of all, closed, with the lines across the whole panel."""
+def _loops(
+    ax: Axes, exerted: Exerted, motion: MotionOfRun, joint: int, others: np.ndarray | None
+) -> None:
+    """Torque over angle of all, closed, with the lines across the whole panel.
+
+    `others`: torque (N,) of the optimal elements besides the joint's spring, if there are any.
+    """
     q = exerted.q
     reach = max(1.12 * float(np.ptp(q)), 1e-3 * max(1.0, float(np.abs(q).max()))) / 2
     across = (q.min() + q.max()) / 2 + np.array([-reach, reach])
     k, angle = motion.stiffness_optimal[joint], motion.equilibrium_optimal[joint]
-    best = k * (angle - across) if k else np.full(2, motion.offset_optimal[joint])
+    places = across if others is None else q
+    best = k * (angle - places) if k else np.full(len(places), motion.offset_optimal[joint])
+    best = best if others is None else best + others
     fitted = exerted.spring.mean() - exerted.stiffness * (across - q.mean())
     spring = LEGEND[NEGATIVE if exerted.stiffness < 0 else POSITIVE]
     at = np.append(np.arange(len(q)), 0)  # closed
@@ -143,7 +159,7 @@ def _loops(ax: Axes, exerted: Exerted, motion: MotionOfRun, joint: int) -> None:
     ax.plot(across, fitted, **{**spring, "linewidth": 0.6})
     ax.plot(q[at], exerted.spring[at], **spring)
     ax.plot(q[at], exerted.needed[at], **LEGEND["needed without springs"])
-    ax.plot(across, best, **LEGEND["optimal spring"])
+    ax.plot(places, best, **LEGEND["optimal spring"])
     ax.set_xlim(*across)
     # A law that jumps where a cycle begins leaves the panel there.
     usual = [np.quantile(part, (0.01, 0.99)) for part in (exerted.motor, exerted.needed)]

@@ -42,6 +42,7 @@ class FrameData:
         offset: q̄_e (N, n) [N m].
         center: q_c (N, n) [rad].
         tau: torque of the motors (N, n) [N m].
+        elastic: torque of elements besides the joints' springs (N, n) [N m].
         reduction: torque² less than without springs in the last whole cycle that tracks; NaN
             before the motion has one (N,).
         best: the same with optimal springs (N,).
@@ -63,6 +64,7 @@ class FrameData:
     offset: np.ndarray
     center: np.ndarray
     tau: np.ndarray
+    elastic: np.ndarray
     reduction: np.ndarray
     best: np.ndarray
 
@@ -78,7 +80,8 @@ class FrameData:
     def spring(self, samples: int | slice = slice(None)) -> np.ndarray:
         """Torque of the springs at a sample (n,), or at all of them (N, n) [N m]."""
         k, offset = self.stiffness[samples], self.offset[samples]
-        return springs.torque(k, offset, self.q[samples], self.center[samples])
+        own = springs.torque(k, offset, self.q[samples], self.center[samples])
+        return own + self.elastic[samples]
 
 
 class Scale(NamedTuple):
@@ -220,6 +223,7 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         x=part["x"].values[:, position],
         x_desired=part["x_desired"].values[:, position],
         **{name: part[name].values for name in ("q", "stiffness", "offset", "center", "tau")},
+        elastic=run.elastic_torque(cycle, part["q"].values),
         reduction=np.where(of[last] == segment + 1, reduction[last], np.nan),
         best=best[segment],
     )
@@ -249,6 +253,7 @@ def planned(one: Plan, cycle: int) -> FrameData:
         offset=none[1],
         center=none[2],
         tau=none[3],
+        elastic=none[3],
         reduction=np.full(steps, np.nan),
         best=np.full(steps, one.optima[segment].torque_reduction),
     )
