@@ -314,17 +314,15 @@ def test_a_catalogue_that_is_none_is_refused(tmp_path, text, says):
     assert done.stderr.count("\n") == 1
 
 
-def test_the_figure_shows_what_springs_and_elements_exert_together(tmp_path):
-    run = rmj.simulate(
-        with_elements(CUBIC, **{"motion.0.duration": 20.0, "motion.1.duration": 20.0})
-    )
+def test_the_figure_shows_what_springs_and_elements_exert_together():
+    run = rmj.simulate(with_elements(CUBIC))
     last = kept(run)[-1]
     drawn = _exerted_in(last, run.elements(last.parameters), 0)
     needed = run.plan.loaded[1].torque(run.plan.joints[1])[:, 0]
-    assert np.abs(drawn.needed - needed).max() < 1e-3 * np.abs(needed).max()
+    assert np.abs(drawn.needed - needed).max() < 0.03 * np.abs(needed).max()
     assert (drawn.motor**2).mean() < 0.1 * (drawn.needed**2).mean()
     # And the film takes its arrows from the same.
-    shown = of_run(run, np.array([39.5]), "run")
+    shown = of_run(run, np.array([79.5]), "run")
     assert shown.spring(int(shown.sample[0]))[0] == pytest.approx(
         drawn.spring[round(0.5 / 1e-3)], rel=0.02
     )

@@ -17,6 +17,10 @@ BANDWIDTH, FASTEST = 100.0, 0.3
 PRINTED = 60.0, 0.1
 """Likewise of the laws as printed, which diverge the sooner the more they learn."""
 
+HELD = 0.1
+"""Most that ω is of 1 over a control period of several time steps, in which torque is held: the
+loop of a real arm is later still."""
+
 POSITION = 10.0
 """Least weight α of the position error [1/s]."""
 
@@ -90,7 +94,9 @@ def gains(
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     own = gravity_rate(kinematics)
     usual, fastest = PRINTED if law.printed else (BANDWIDTH, FASTEST)
-    omega = min(max(usual, 3 * own), fastest / dt) if law.omega is None else law.omega
+    held = experiment.reality.control_period
+    slower = max(HELD / held, 5 * own) if held > dt else np.inf
+    omega = min(max(usual, 3 * own), fastest / dt, slower) if law.omega is None else law.omega
     rate = min(max(POSITION, own), 0.1 / dt)
     alpha = rate if law.alpha is None else law.alpha
     k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
