@@ -111,6 +111,8 @@ def calmer(plan: Plan) -> str:
     key, now = ("eta", law.learned_share) if law.beta is None else ("beta", law.beta)
     lead = "law.lead = 1, " if plan.gains.lead == 0 else ""
     timestep = plan.experiment.simulation.timestep
+    if plan.experiment.reality.sensed:
+        return f"a smaller law.omega (now {plan.gains.omega:g} 1/s): the loop is noisy or late"
     return (
         f"{lead}a smaller law.{key} (now {now:g}) or a shorter simulation.timestep "
         f"(now {timestep:g} s)"
