@@ -243,7 +243,11 @@ def test_a_wheel_works_outside_the_checkout(tmp_path):
     subprocess.run([*pip, "--target", site, checkout], check=True, timeout=300)
     inside = site / "resonance_mj" / "runs"
     assert {path.name for path in inside.iterdir() if path.is_dir()} == {"sweeps", "validation"}
-    assert {path.name for path in (inside / "sweeps").iterdir()} == {"gains.toml", "tempo.toml"}
+    assert {path.name for path in (inside / "sweeps").iterdir()} == {
+        "gains.toml",
+        "robustness.toml",
+        "tempo.toml",
+    }
     here = tmp_path / "empty"
     here.mkdir()
     process = subprocess.run(

@@ -52,7 +52,8 @@ def figure(data: xr.Dataset, metric: str, width: float) -> Figure:
         if mapped:
             cells = _map(axes[0, column], of_motion, keys, _norm(values))
             if column == motions - 1:
-                drawn.colorbar(cells, ax=list(axes[0]), label=label(data, metric))
+                bar = drawn.colorbar(cells, ax=list(axes[0]))
+                bar.set_label(label(data, metric), labelpad=8)
         else:
             for row, key in enumerate(keys[:panels]):
                 _over(axes[row, column], of_motion, data["status"], key, joined=len(keys) == 1)
