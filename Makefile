@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-oldest test-robots test-sensitivity fuzz mutation check format benchmark gallery clean
+.PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check format benchmark gallery clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, ten seconds"
@@ -26,6 +26,9 @@ test-sensitivity: $(VENV)/installed-dev   ## that the runs' expectations catch e
 
 fuzz: $(VENV)/installed-dev   ## 10 000 mutated copies of every file that is shipped; half an hour
 	$(BIN)/python benchmarks/fuzz.py --cases 10000
+
+soak: $(VENV)/installed-dev   ## 100 000 cycles: memory, time of a cycle and torque² stay what they are; ten minutes
+	$(BIN)/python benchmarks/soak.py
 
 mutation: $(VENV)/installed-dev   ## mutation testing of the mathematics; ten minutes
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev,mutation]"

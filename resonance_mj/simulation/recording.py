@@ -45,9 +45,14 @@ class Recording:
         self._samples: dict[str, list[np.ndarray]] = {
             name: [] for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
         }
-        self._cycles: dict[str, list[np.ndarray | float]] = {
-            name: [] for name in (*FIGURES, *(f"{name}_per_cycle" for name in PER_CYCLE))
+        n, m, parameters = self._robot.n, self._robot.m, len(names(self._robot.elements))
+        self._width = {"joint": n, "axis": m, "parameter": parameters}
+        # Of all cycles, made at once: what is kept does not grow with what is done.
+        self._cycles = {
+            name: np.empty((len(self._segment), *self._wide(name)))
+            for name in (*FIGURES, *(f"{name}_per_cycle" for name in PER_CYCLE))
         }
+        self._done = 0
         self._time = 0.0
         self.last: dict[int, LastCycle] = {}
         """Of each motion, by its number from 0, the last whole cycle."""
@@ -57,14 +62,11 @@ class Recording:
 
     def restore(self, data: xr.Dataset) -> None:
         """Take up what a run so far has recorded."""
-        figures = [name for name in self._cycles if name in data]
+        for name in self._cycles.keys() & set(data.variables):
+            self._cycles[name][: data.sizes["cycle"]] = data[name].values
         for cycle in range(data.sizes["cycle"]):
-            for name in figures:
-                value = data[name].values[cycle]
-                self._cycles[name].append(value if value.ndim else float(value))
-            if "parameters_per_cycle" not in data:
-                self._cycles["parameters_per_cycle"].append(np.empty(0))
             self._time += self._plan.steps(self._plan.schedule[cycle]) * self._dt
+            self._done = cycle + 1
             self.diverges()
         of_sample = data["cycle_of_sample"].values
         for cycle in np.unique(of_sample).tolist():
@@ -73,7 +75,7 @@ class Recording:
                 self._samples[name].append(mine[name].values)
             q, tau, center = (mine[name].values for name in ("q", "tau", "center"))
             parameters = self._cycles["parameters_per_cycle"][cycle - 1]
-            others = Elements(self._robot.elements, np.asarray(parameters))
+            others = Elements(self._robot.elements, parameters)
             own = mine["stiffness"].values, mine["offset"].values
             total = tau + LinearSprings(*own, center[0], others).torque(q)
             last = LastCycle(q, tau, total, center[0])
@@ -86,8 +88,7 @@ class Recording:
         motion before by farther. The first cycle of a motion, which may begin with a jump, is no
         measure; stiff springs that adapt from far away are high, but do not grow like that.
         """
-        torque_squared = self._cycles["torque_squared"]
-        last = len(torque_squared) - 1
+        torque_squared, last = self._cycles["torque_squared"], self._done - 1
         segment = self._segment[last] if last >= 0 else -1
         if last < 2 or segment != self._segment[last - 2]:
             return ""
@@ -111,7 +112,7 @@ class Recording:
             springs: at the end of the cycle, about the centre during it.
             whole: whether the cycle was simulated whole; only then it counts as a cycle.
         """
-        cycle, steps = len(self._cycles["torque_squared"]), len(signals["q"])
+        cycle, steps = self._done, len(signals["q"])
         if cycle in self._kept or not whole:
             for name, signal in signals.items():
                 self._samples[name].append(signal.copy())
@@ -124,17 +125,17 @@ class Recording:
         self._time += steps * self._dt
         robot, found, tau, q = self._robot, self._cycles, signals["tau"], signals["q"]
         by_joint = np.einsum("tj,tj->j", tau, tau) / steps
-        found["torque_squared"].append(float(by_joint.sum()))
+        found["torque_squared"][cycle] = by_joint.sum()
         self.hardest = robot.joints[int(by_joint.argmax())]
         miss = signals["x"] - signals["x_desired"]
         positions = len(robot.position_axes)
-        found["tracking_rms"].append(_rms(miss[:, :positions]))
+        found["tracking_rms"][cycle] = _rms(miss[:, :positions])
         if robot.rotates:
-            found["rotation_rms"].append(_rms(miss[:, positions:]))
+            found["rotation_rms"][cycle] = _rms(miss[:, positions:])
         J = np.array(
             [self._plan.kinematics.jacobian(some) for some in q[:: max(1, steps // POSES)]]
         )
-        found["singular_value"].append(float(np.linalg.svd(J, compute_uv=False)[:, -1].min()))
+        found["singular_value"][cycle] = np.linalg.svd(J, compute_uv=False)[:, -1].min()
         own = signals["stiffness"], signals["offset"]
         acting = LinearSprings(*own, springs.center, springs.others)
         total = tau + acting.torque(q)
@@ -142,7 +143,8 @@ class Recording:
             q.copy(), tau.copy(), total, springs.center.copy()
         )
         for name, value in zip(PER_CYCLE, (*springs, springs.others.parameters), strict=True):
-            found[f"{name}_per_cycle"].append(value.copy())
+            found[f"{name}_per_cycle"][cycle] = value
+        self._done += 1
 
     def optima(
         self, size: np.ndarray, hindered: Mapping[int, Sequence[Hindrance]]
@@ -165,9 +167,8 @@ class Recording:
                 if free and self._follows(segment, size[segment]):
                     made[segment] = 1
                     total = cycle.total
-                    if (
-                        experiment.reality.sensed
-                    ):  # no motion needs what its feedback hears of noise
+                    # No motion needs what its feedback makes of noise.
+                    if experiment.reality.sensed:
                         total = low_pass(total, self._plan.gains.harmonics)
                     found[segment] = best_springs(
                         cycle.q,
@@ -180,11 +181,14 @@ class Recording:
 
     def _follows(self, segment: int, size: float) -> bool:
         """Whether the tool followed its path in the last whole cycle of a motion."""
-        at = np.flatnonzero(self._segment[: len(self._cycles["tracking_rms"])] == segment)[-1]
-        position, rotation = (
-            np.array(self._cycles[name][at : at + 1]) for name in ("tracking_rms", "rotation_rms")
-        )
-        return bool(metrics.tracks(position, size, rotation if rotation.size else None)[0])
+        at = np.flatnonzero(self._segment[: self._done] == segment)[-1]
+        rotation = self._cycles["rotation_rms"][at] if self._robot.rotates else None
+        return bool(metrics.tracks(self._cycles["tracking_rms"][at], size, rotation))
+
+    def _wide(self, name: str) -> tuple[int, ...]:
+        """Sizes of a variable, but for its first."""
+        _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
+        return tuple(self._width[dim] for dim in dims)
 
     def dataset(
         self, hindered: Mapping[int, Sequence[Hindrance]], q: np.ndarray, dq: np.ndarray
@@ -198,21 +202,17 @@ class Recording:
         """
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
         optima, made = self.optima(size, hindered)
-        cycles = len(self._cycles["torque_squared"])
-        parameters = names(robot.elements)
-        width = {"joint": robot.n, "axis": robot.m, "parameter": len(parameters)}
+        cycles = self._done
 
-        def joined(name: str, parts: Sequence[np.ndarray | float]) -> np.ndarray:
+        def joined(name: str, parts: Sequence[np.ndarray]) -> np.ndarray:
             """All parts in a row, as a variable has them; there may be none."""
-            _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
             values = np.concatenate([np.empty(0), *map(np.ravel, parts)])
-            wide = tuple(width[dim] for dim in dims)
-            return values.reshape(-1, *wide) if all(wide) else np.empty((len(parts), *wide))
+            return values.reshape(-1, *self._wide(name))
 
         values = {name: joined(name, parts) for name, parts in self._samples.items()}
         values |= {
-            name: joined(name, parts)
-            for name, parts in self._cycles.items()
+            name: of_cycles[:cycles].copy()
+            for name, of_cycles in self._cycles.items()
             if name != "rotation_rms" or robot.rotates
         }
         segment = self._segment[:cycles]
@@ -242,7 +242,7 @@ class Recording:
                 "cycle": np.arange(1, cycles + 1),
                 "segment": np.arange(1, len(optima) + 1),
                 "joint": list(robot.joints),
-                "parameter": np.array(parameters, dtype=str),
+                "parameter": np.array(names(robot.elements), dtype=str),
                 "slides": robot.slides,
                 "axis": list(robot.axes),
                 "segment_of_cycle": segment + 1,
