@@ -53,8 +53,8 @@ def main() -> int:
     off = ended.torque_squared[-1] / ended.torque_squared_optimal - 1
     size = run.data.nbytes / 1e6
     print(
-        f"{run.status}: memory {100 * grown:+.1f} %, time of a cycle {100 * slower:+.1f} %, torque² "
-        f"{100 * off:+.3f} % of the optimum's, data {size:.0f} MB"
+        f"{run.status}: memory {100 * grown:+.1f} %, time of a cycle {100 * slower:+.1f} %, "
+        f"torque² {100 * off:+.3f} % of the optimum's, data {size:.0f} MB"
     )
     return int(grown > 0.05 or slower > 0.1 or abs(off) > 0.01)
 

@@ -42,12 +42,17 @@ class Recording:
         self._dt = plan.experiment.simulation.timestep
         self._segment = np.array(plan.schedule)
         self._kept = _kept(plan)
-        self._samples: dict[str, list[np.ndarray]] = {
-            name: [] for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
+        parameters = len(names(plan.robot.elements))
+        self._width = {"joint": plan.robot.n, "axis": plan.robot.m, "parameter": parameters}
+        # All made at once, and touched: it does not grow with what is done. A run that diverges
+        # keeps part of a cycle besides.
+        steps = [plan.steps(segment) for segment in plan.schedule]
+        room = sum(steps[cycle] for cycle in self._kept) + max(steps)
+        self._samples = {
+            name: np.full((room, *self._wide(name)), 0.0)
+            for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
         }
-        n, m, parameters = self._robot.n, self._robot.m, len(names(self._robot.elements))
-        self._width = {"joint": n, "axis": m, "parameter": parameters}
-        # Of all cycles, made at once: what is kept does not grow with what is done.
+        self._filled = 0
         self._cycles = {
             name: np.empty((len(self._segment), *self._wide(name)))
             for name in (*FIGURES, *(f"{name}_per_cycle" for name in PER_CYCLE))
@@ -71,15 +76,13 @@ class Recording:
         of_sample = data["cycle_of_sample"].values
         for cycle in np.unique(of_sample).tolist():
             mine = data.isel(time=np.flatnonzero(of_sample == cycle))
-            for name in self._samples:
-                self._samples[name].append(mine[name].values)
+            self._keep({name: mine[name].values for name in self._samples})
             q, tau, center = (mine[name].values for name in ("q", "tau", "center"))
             parameters = self._cycles["parameters_per_cycle"][cycle - 1]
             others = Elements(self._robot.elements, parameters)
             own = mine["stiffness"].values, mine["offset"].values
             total = tau + LinearSprings(*own, center[0], others).torque(q)
-            last = LastCycle(q, tau, total, center[0])
-            self.last[int(self._segment[cycle - 1])] = last
+            self.last[int(self._segment[cycle - 1])] = LastCycle(q, tau, total, center[0])
 
     def diverges(self) -> str:
         """Why the last cycle shows that the run diverges; empty if it does not.
@@ -114,12 +117,9 @@ class Recording:
         """
         cycle, steps = self._done, len(signals["q"])
         if cycle in self._kept or not whole:
-            for name, signal in signals.items():
-                self._samples[name].append(signal.copy())
-            center = np.broadcast_to(springs.center.copy(), signals["q"].shape)
-            self._samples["center"].append(center)
-            self._samples["time"].append(self._time + np.arange(steps) * self._dt)
-            self._samples["cycle_of_sample"].append(np.full(steps, cycle + 1))
+            time = self._time + np.arange(steps) * self._dt
+            more = {"center": springs.center, "time": time, "cycle_of_sample": np.array(cycle + 1)}
+            self._keep(signals | more)
         if not whole:
             return
         self._time += steps * self._dt
@@ -185,6 +185,13 @@ class Recording:
         rotation = self._cycles["rotation_rms"][at] if self._robot.rotates else None
         return bool(metrics.tracks(self._cycles["tracking_rms"][at], size, rotation))
 
+    def _keep(self, samples: Signals) -> None:
+        """Keep samples in time."""
+        end = self._filled + len(samples["time"])
+        for name, values in samples.items():
+            self._samples[name][self._filled : end] = values
+        self._filled = end
+
     def _wide(self, name: str) -> tuple[int, ...]:
         """Sizes of a variable, but for its first."""
         _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
@@ -203,13 +210,7 @@ class Recording:
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
         optima, made = self.optima(size, hindered)
         cycles = self._done
-
-        def joined(name: str, parts: Sequence[np.ndarray]) -> np.ndarray:
-            """All parts in a row, as a variable has them; there may be none."""
-            values = np.concatenate([np.empty(0), *map(np.ravel, parts)])
-            return values.reshape(-1, *self._wide(name))
-
-        values = {name: joined(name, parts) for name, parts in self._samples.items()}
+        values = {name: kept[: self._filled].copy() for name, kept in self._samples.items()}
         values |= {
             name: of_cycles[:cycles].copy()
             for name, of_cycles in self._cycles.items()
@@ -227,10 +228,10 @@ class Recording:
         values["stiffness_least"], values["stiffness_most"] = np.moveaxis(ranges, 2, 0)
         values["parameters_optimal"] = np.array([best.springs.others.parameters for best in optima])
         without = np.array([best.torque_squared_without_springs for best in optima])
+        numbers, counts = np.unique(values["cycle_of_sample"], return_counts=True)
         best_torque = [
-            optima[self._segment[part[0] - 1]].torque[: len(part)]
-            for part in self._samples["cycle_of_sample"]
-            if len(part)
+            optima[self._segment[number - 1]].torque[:count]
+            for number, count in zip(numbers, counts, strict=True)
         ]
         optimal = metrics.reduction(values["torque_squared_optimal"], without)
         reduced = metrics.reduction(values["torque_squared"], without[segment])
@@ -248,7 +249,7 @@ class Recording:
                 "segment_of_cycle": segment + 1,
                 "passage": np.array([plan.blending(i) is not None for i in range(cycles)], int),
                 "torque_squared_without_springs": without,
-                "tau_optimal": joined("tau_optimal", best_torque),
+                "tau_optimal": np.concatenate([np.empty((0, robot.n)), *best_torque]),
                 "torque_reduction": reduced,
                 "torque_share": metrics.share(reduced, optimal[segment]),
                 "optimum_made": made,
