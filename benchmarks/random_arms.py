@@ -103,7 +103,7 @@ def nearness(run: rmj.Run) -> float:
         last.tau + acting.torque(last.q),
         center=last.q.mean(axis=0),
         period=run.experiment.motion[0].period,
-        bounds=run.experiment.springs,
+        bounds=run.plan.gains.bounds,
     )
     return float((last.tau**2).sum(axis=1).mean() / best.torque_squared)
 
