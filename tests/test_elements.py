@@ -314,6 +314,26 @@ def test_a_catalogue_that_is_none_is_refused(tmp_path, text, says):
     assert done.stderr.count("\n") == 1
 
 
+def test_weights_move_elements_over_several_joints_and_no_others():
+    heavy = {"springs.weights": [1.0, 100.0]}
+    for elements, moves in ((PULLEYS, True), (CUBIC, False)):
+        alone = {} if moves else {"springs.joint": {}}
+        none = {"joint1": {"kind": "none"}, "joint2": {"kind": "none"}}
+        keys = {"springs.joint": none} if moves else alone
+        even = rmj.optimum(with_elements(elements, **keys))
+        weighed = rmj.optimum(with_elements(elements, **keys, **heavy))
+        for one, other in zip(even, weighed, strict=True):
+            cost = [(best.torque**2).mean(axis=0) @ [1.0, 100.0] for best in (one, other)]
+            if moves:
+                assert cost[1] < 0.99 * cost[0]
+                assert other.torque_squared > one.torque_squared
+            else:
+                assert cost[1] == pytest.approx(cost[0], rel=1e-4)
+    run = rmj.simulate(with_elements(PULLEYS, **{"springs.joint": none}, **heavy))
+    for motion in run.motions:
+        assert motion.torque_squared[-1] == pytest.approx(motion.torque_squared_optimal, rel=0.01)
+
+
 def test_the_figure_shows_what_springs_and_elements_exert_together():
     run = rmj.simulate(with_elements(CUBIC))
     last = kept(run)[-1]

@@ -39,6 +39,8 @@ def _reasons(
     by_hand = law.k_v is not None or law.k_p is not None
     if law.kind != "transfer":
         yield "reality.stiffness_rate", f"{kind} does not set springs between cycles"
+    if not any(one.tendon or len(one.joints or ()) > 1 for one in springs.element):
+        yield "springs.weights", "springs of single joints are the same for all weights"
     if limited is False:
         yield "robot.limits", "no joint of the arm has a range"
     if not own:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from ..text import shown
-from .sections import Alone, Angles, Bound, Finite, Name, Section, Stiffness
+from .sections import Alone, Angles, Bound, Finite, Name, Positive, Section, Stiffness
 
 
 class _Bounds(Section):
@@ -116,6 +116,10 @@ class Springs(_Bounds):
     """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0
     """q_e(0) [rad], one for all joints or one each; 0 for the nearest to it within the bounds."""
+    weights: Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
+    """Weight of each joint's torque² in what the springs leave least of, such as 1 / k_m² for the
+    loss in copper of motors with k_m N m per root of a watt; 1 each if not given. Springs of single
+    joints are the same for all weights; elements over several joints are not."""
     joint: dict[Name, JointSpring] = Field(default={})
     """Springs of single joints by name, as the table [springs.joint.NAME]."""
     element: Annotated[tuple[Element, ...], Field(max_length=100)] = ()

@@ -98,6 +98,7 @@ def check_lengths(
         ("law.q_c", law.q_c, "joint", joints),
         ("law.q_s", law.q_s, "joint", joints),
         ("reality.motor_torque", experiment.reality.motor_torque, "joint", joints),
+        ("springs.weights", bounds.weights, "joint", joints),
         ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
         ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),
     ]

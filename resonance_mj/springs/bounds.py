@@ -29,6 +29,10 @@ class Bounds(Protocol):
     def elements(self) -> tuple[Element, ...]:
         """Elastic elements besides the joints' own springs."""
 
+    @property
+    def weights(self) -> np.ndarray | tuple[float, ...] | None:
+        """Of each joint's torque² in the cost (n,); None for 1 each."""
+
 
 class JointBounds(NamedTuple):
     """`Bounds` joint by joint, (n,) each."""
@@ -37,6 +41,8 @@ class JointBounds(NamedTuple):
     equilibrium: tuple[np.ndarray, np.ndarray]
     about_zero: np.ndarray
     elements: tuple[Element, ...] = ()
+    weights: np.ndarray | None = None
+    """Of each joint's torque² (n,); None for 1 each."""
 
 
 UNBOUNDED = JointBounds(
@@ -95,5 +101,6 @@ def per_joint(
             elif own.rest is not None:
                 equilibrium, zero = (own.rest, own.rest), True
         rows.append((*stiffness, *equilibrium, zero))
+    weights = None if springs.weights is None else np.array(springs.weights)
     k_min, k_max, low, high, zero = np.array(rows, float).T
-    return JointBounds((k_min, k_max), (low, high), zero.astype(bool), elements)
+    return JointBounds((k_min, k_max), (low, high), zero.astype(bool), elements, weights)

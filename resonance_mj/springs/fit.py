@@ -90,7 +90,13 @@ def columns(q: np.ndarray, bounds: Bounds) -> program.Columns:
 def _together(q: np.ndarray, torque: np.ndarray, bounds: Bounds) -> LinearSprings:
     """The best springs and elements, about the mean angle."""
     given, first = columns(q, bounds), 2 * q.shape[1]
-    found = Elements(bounds.elements, program.best(given, torque.ravel(), bounds.elements)[first:])
+    weighed = torque
+    if bounds.weights is not None:
+        root = np.sqrt(bounds.weights)
+        rows = np.tile(root, len(q))[:, None]
+        given, weighed = given._replace(torque=rows * given.torque), root * torque
+    best = program.best(given, weighed.ravel(), bounds.elements)
+    found = Elements(bounds.elements, best[first:])
     within = np.concatenate([one.within(p) for one, p in found.each()])
     others = Elements(bounds.elements, within)
     # For what they leave, the springs in closed form: theirs is the last bit of a common optimum.
