@@ -40,6 +40,7 @@ def test_mujocos_tendons_exert_what_the_elements_say(elements):
     size = sum(len(one.parameters) for one in robot.elements)
     springs = Elements(robot.elements, rng.uniform(1, 5, size))
     elastic.write(robot.model, springs)
+    assert np.allclose(elastic.read(robot.model, robot.elements).parameters, springs.parameters)
     data = mujoco.MjData(robot.model)
     q = robot.home + rng.uniform(-1.5, 1.5, (20, 2))
     for pose, torque in zip(q, springs.torque(q), strict=True):

@@ -94,6 +94,20 @@ def write(model: mujoco.MjModel, springs: Elements) -> None:
         at += 1
 
 
+def read(model: mujoco.MjModel, elements: tuple[Element, ...]) -> Elements:
+    """The elements with the parameters that `write` has put into mjModel."""
+    found, at = [], 0
+    for element in elements:
+        k = float(model.tendon_stiffness[at])
+        p = [k, k * (float(model.tendon_lengthspring[at, 1]) - element.center)]
+        if element.kind == "cubic":
+            at += 1
+            p[1:1] = model.tendon_stiffnesspoly[at, :2].tolist()
+        at += 1
+        found += p[: len(element.parameters)]
+    return Elements(elements, np.array(found))
+
+
 def _over(
     given: Given, model: mujoco.MjModel, joints: tuple[str, ...], where: str
 ) -> tuple[np.ndarray, tuple[float, float], tuple[float, float] | None]:

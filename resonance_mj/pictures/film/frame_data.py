@@ -234,7 +234,7 @@ def planned(one: Plan, cycle: int) -> FrameData:
     segment = one.schedule[cycle]
     steps, dt = one.steps(segment), one.experiment.simulation.timestep
     axes = tuple("xyz".index(axis) for axis in one.robot.position_axes)
-    none = np.zeros((4, steps, one.robot.n))
+    none = np.zeros((5, steps, one.robot.n))
     x = one.desired(cycle).x[:, : len(axes)]
     return FrameData(
         label=one.experiment.name,
@@ -253,7 +253,7 @@ def planned(one: Plan, cycle: int) -> FrameData:
         offset=none[1],
         center=none[2],
         tau=none[3],
-        elastic=none[3],
+        elastic=none[4],
         reduction=np.full(steps, np.nan),
         best=np.full(steps, one.optima[segment].torque_reduction),
     )

@@ -11,6 +11,7 @@ from ...laws.memory import Memory
 from ...plan.plan import Plan
 from ...results.metrics import reduction, tracks
 from ...results.run import Run
+from ...robots import elastic
 from ...simulation.simulation import simulate_plans
 from ...simulation.stepper import Alone
 from ...status import Status
@@ -26,7 +27,7 @@ BEHIND = 0.5
 """How far a simulation may fall behind the clock, which waits then [s]."""
 OF_SAMPLES = (
     *("time", "cycle", "period", "q", "x", "x_desired", "stiffness", "offset", "center", "tau"),
-    *("reduction", "best"),
+    *("elastic", "reduction", "best"),
 )
 """What frame data have of each sample."""
 
@@ -110,6 +111,9 @@ class Watched(Alone):
             values = getattr(self._shown, name)
             values[at] = self._memory.recorded(name, steps)[0, new, : values.shape[1]]
         self._shown.center[at] = self._memory["q_c"][0]
+        if self._plan.robot.elements:
+            acting = elastic.read(self.models[0], self._plan.robot.elements)
+            self._shown.elastic[at] = acting.torque(self._shown.q[at])
         self._filled = steps
 
     def _go_on(self) -> None:
