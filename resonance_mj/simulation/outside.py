@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -193,6 +194,7 @@ def _plain(command: Callable[..., None]) -> Callable[..., None]:
     return step
 
 
+@cache
 def _compiled(command: Callable[..., None]) -> Callable[..., None]:
     from ..callback import compilation  # imports the compiler
 
