@@ -169,8 +169,7 @@ Room = Callable[[int, int, int], int]
 def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs: 0) -> Robot:
     """Load an experiment's MJCF and find the arm in it.
 
-    The file is not changed: gravity, time step, integrator and room in `userdata` are set on a
-    copy in memory. MuJoCo's warnings are among the robot's notes.
+    The file is not changed: all is set on a copy. MuJoCo's warnings are among the robot's notes.
 
     Args:
         experiment: names the file, the tool, home and task.
