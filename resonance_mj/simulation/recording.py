@@ -44,7 +44,7 @@ class Recording:
         self._kept = _kept(plan)
         parameters = len(names(plan.robot.elements))
         self._width = {"joint": plan.robot.n, "axis": plan.robot.m, "parameter": parameters}
-        # Made at once, and touched: it does not grow. A run that diverges keeps part of a cycle more.
+        # Made at once, and touched: it does not grow. What diverges keeps part of a cycle more.
         steps = [plan.steps(segment) for segment in plan.schedule]
         room = sum(steps[cycle] for cycle in self._kept) + max(steps)
         self._samples = {
