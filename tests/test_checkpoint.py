@@ -101,6 +101,33 @@ def test_only_the_same_experiment_with_the_same_versions_is_resumed():
         rmj.simulate(asked, resume=without)
 
 
+def test_a_checkpoint_that_was_changed_is_refused_before_a_step_goes_by_it():
+    asked = experiment("two motions")
+    part = interrupted(asked, 3)
+    state = part.data["checkpoint"].values
+    for wrong in (state[:-3], state[:5], np.zeros(4), np.full_like(state, np.nan), state * 1.5):
+        damaged = part.data.assign(checkpoint=("number", wrong, part.data["checkpoint"].attrs))
+        with pytest.raises(ResonanceError, match="checkpoint is damaged"):
+            rmj.simulate(asked, resume=dataclasses.replace(part, data=damaged))
+    # A number of the law's memory by which its compiled step finds an array.
+    numbers = np.flatnonzero(state == float(len(part.data["joint"])))
+    for at in numbers[:3]:
+        moved = state.copy()
+        moved[at] = 1e6
+        damaged = part.data.assign(checkpoint=("number", moved, part.data["checkpoint"].attrs))
+        try:
+            run = rmj.simulate(asked, resume=dataclasses.replace(part, data=damaged))
+        except ResonanceError:
+            continue
+        assert run.status in Status  # it was no size or place: a number that steps change
+
+
+def test_a_checkpoint_without_a_folder_is_refused():
+    for given in ({"checkpoint": 5}, {"checkpoint": -1, "folder": "run"}):
+        with pytest.raises(ResonanceError, match="a number of cycles and a folder"):
+            rmj.simulate(experiment("two motions"), **given)
+
+
 def command(folder):
     keys = ["--motion.0.duration", "20", "--motion.1.duration", "20"]
     keys += ["--simulation.timestep", "2e-4"]

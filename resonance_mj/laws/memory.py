@@ -168,7 +168,7 @@ class Memory:
     def __init__(self, userdata: np.ndarray, layout: Layout) -> None:
         self.layout = layout
         begin = userdata.shape[1] - layout.size
-        self._block = userdata[:, begin:-2]
+        self._block, self._userdata = userdata[:, begin:-2], userdata
         userdata[:, -2] = begin
         userdata[:, -1] = SIGNATURE
         for name in ("joints", "coordinates", "dofs", "columns", "more", "slots"):
@@ -188,6 +188,17 @@ class Memory:
     def block(self, robot: int) -> np.ndarray:
         """View of one robot's block, as the control step is handed it."""
         return self._block[robot]
+
+    def fixed(self, robot: int) -> np.ndarray:
+        """What no step of a robot changes: sizes, places and addresses, by which steps find all."""
+        changes = ("stage", "step", "clock", "filtered")
+        header = [self.scalar(name)[robot] for name in (*_SCALARS, *ARRAYS) if name not in changes]
+        addresses = ["qpos_address", "dof_address", "joint_id", "actuator_id"]
+        addresses += ["coordinate", "leader"]
+        counts = [self.scalar(name)[robot] for name in ("stage", "clock")]
+        whole = [float(0 <= count < 2**53 and count == count // 1) for count in counts]
+        ends = self._userdata[robot, -2:]
+        return np.concatenate([header, whole, ends, *(self[name][robot] for name in addresses)])
 
     def __getitem__(self, name: str) -> np.ndarray:
         """View of an array (robots, *shape)."""

@@ -15,6 +15,10 @@ STATE = "checkpoint"
 """The variable of a run that holds it."""
 
 
+DAMAGED = "the run's checkpoint is damaged, or was changed: begin it anew"
+"""Of one that is not what `packed` has made of this experiment."""
+
+
 def packed(physics: np.ndarray, parameters: np.ndarray, tuning: Tuning) -> np.ndarray:
     """State of MuJoCo and the law's memory (S,), parameters of elements (P,) and tuning, in a row.
 
@@ -36,8 +40,15 @@ def unpacked(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, Tuning]:
     """What `packed` has put in a row.
 
     Raises:
-        ValueError: it is not what `packed` makes.
+        ExperimentError: it is not what `packed` makes.
     """
+    try:
+        return _unpacked(state)
+    except (ValueError, IndexError, OverflowError):
+        raise ExperimentError(DAMAGED) from None
+
+
+def _unpacked(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, Tuning]:
     arrays, at = [], 0
     while at < len(state):
         dims = int(state[at])

@@ -16,7 +16,7 @@ from ..results.run import Run
 from ..robots import elastic
 from ..springs.fit import LinearSprings
 from ..status import Status
-from .checkpoint import STATE, packed, unpacked
+from .checkpoint import DAMAGED, STATE, packed, unpacked
 from .continuing import Start
 from .ending import calmer, ending, hindrances, named
 from .loading import (
@@ -81,7 +81,15 @@ class Member:
         """Take up a run after its last cycle, with all that it had then."""
         assert isinstance(self._stepper, Alone)
         physics, parameters, self._tuning = unpacked(run.data[STATE].values)
+        fixed = self._memory.fixed(self._index)
         self._stepper.restore(physics)
+        # Compiled steps go by it unchecked, and a file may come from anywhere.
+        same = np.array_equal(self._memory.fixed(self._index), fixed)
+        before = self._tuning.before or ()
+        shape = self.plan.steps(self.plan.schedule[run.data.sizes["cycle"] - 1]), self.plan.robot.n
+        fits = parameters.shape == self._others.parameters.shape
+        if not (same and fits and all(one.shape == shape for one in before)):
+            raise ExperimentError(DAMAGED)
         self._others = self._others._replace(parameters=parameters)
         done = run.data.sizes["cycle"]
         last = self.plan.schedule[done - 1]

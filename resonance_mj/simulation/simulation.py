@@ -8,6 +8,7 @@ from typing import NamedTuple
 import mujoco
 
 from ..callback.callback import installed, refuse_another
+from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..laws.memory import Memory
 from ..plan.plan import Followed, Plan, plan_for
@@ -85,6 +86,10 @@ def simulate(
         CallbackError: another simulation is running in this process.
     """
     refuse_another()
+    if checkpoint < 0 or (checkpoint and folder is None):
+        raise ExperimentError(
+            f"checkpoint = {checkpoint}: a number of cycles and a folder for the run are needed"
+        )
     plan = plan_for(experiment, left=None if after is None else continuing.left(after))
     start = None if after is None else continuing.start(after, plan)
     if strict:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..robots.warned import counted
+from .checkpoint import DAMAGED
 
 
 class Stepper(Protocol):
@@ -61,7 +62,7 @@ class Alone:
     def restore(self, state: np.ndarray) -> None:
         """Bring the robot to a whole state (S,)."""
         if len(state) != mujoco.mj_stateSize(self.models[0], WHOLE):
-            raise ExperimentError("its checkpoint is of another model")
+            raise ExperimentError(DAMAGED)
         mujoco.mj_setState(self.models[0], self.data, state, WHOLE)
 
     def warnings(self, robot: int) -> list[str]:
