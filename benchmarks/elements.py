@@ -9,19 +9,10 @@ The optimum of each desired motion by inverse dynamics, with stiffness >= 0: tor
 from itertools import combinations, pairwise
 
 import numpy as np
+from transfer import RUNS
 
 import resonance_mj as rmj
 from resonance_mj.plan.plan import plan_for
-
-EXPERIMENTS = (
-    "two-link-transfer",
-    "planar-three-link",
-    "scara",
-    "six-joint",
-    "six-joint-pose",
-    "seven-joint",
-    "seven-joint-pose",
-)
 
 
 def kinds(plan):
@@ -48,10 +39,10 @@ def kinds(plan):
 
 def main():
     """Print the table."""
-    for name in EXPERIMENTS:
+    for name in RUNS:
         experiment = rmj.load(name).replace({"springs.stiffness": [0.0, np.inf]})
         each = kinds(plan_for(experiment))
-        if name == EXPERIMENTS[0]:
+        if name == RUNS[0]:
             print(f"| motion | {' | '.join(each)} |\n|---|{'---|' * len(each)}")
         plans = [plan_for(experiment.replace(changes)) for changes in each.values()]
         for number in range(len(experiment.motion)):

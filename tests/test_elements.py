@@ -260,6 +260,7 @@ def test_a_tendon_of_the_robots_file_is_an_element(tmp_path):
     assert element.stiffness == (4.0, 4.0)
     assert element.rest == (0.7, 0.7)
     assert taken.optima[0].springs.others.parameters.tolist() == [4.0, 0.0]
+    assert any("elements, adjusted" in note and "both" in note for note in taken.notes)
 
 
 def command(*arguments):

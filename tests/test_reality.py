@@ -10,6 +10,7 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj.errors import ResonanceError
 from resonance_mj.experiments.reality_section import PRESETS
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.results.cycles import kept
 from resonance_mj.springs.fit import LinearSprings, fit
 
@@ -244,6 +245,19 @@ def test_what_was_found_of_the_loop_is_said():
     assert not any("late" in note or "noisy" in note or "heavier" in note for note in ideal.notes)
 
 
+def test_times_that_are_no_whole_steps_are_said():
+    notes = plan_for(arm({"measurement_delay": 0.0024})).notes
+    assert any("is simulated as 0.002 s" in note for note in notes)
+    assert not any("simulated as" in note for note in plan_for(arm("lab")).notes)
+
+
+def test_a_late_arm_that_is_lost_for_another_reason_is_not_said_to_be_late():
+    weak = {"measurement_delay": 0.001, "motor_torque": 1.0}
+    run = rmj.simulate(arm(weak, cycles=15))
+    assert run.status != "ok"
+    assert "by what was measured" not in run.message
+
+
 def test_presets_and_keys_read_the_same_everywhere(tmp_path):
     named = rmj.load("paper").replace({"reality": "lab"})
     assert named.reality.measurement_delay == PRESETS["lab"]["measurement_delay"]
@@ -274,6 +288,8 @@ def test_presets_and_keys_read_the_same_everywhere(tmp_path):
         ({"delay": 0.1}, "unknown key"),
         ({"measurement_delay": 5.0}, "reality.measurement_delay"),
         ({"motor_torque": [1.0, 2.0, 3.0]}, "one per joint"),
+        ({"control_period": 0.003}, "a whole number of control periods"),
+        ({"control_period": 1.0, "measurement_delay": 2.0}, "reality.measurement_delay"),
     ],
 )
 def test_what_reality_cannot_be_is_refused_in_one_line(reality, says):

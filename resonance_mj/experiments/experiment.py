@@ -52,6 +52,13 @@ class Experiment(Section):
                     f"example a period of {whole * dt:.9g} s or a time step of "
                     f"{motion.period / whole:.9g} s"
                 )
+            hold = self.reality.steps("control_period", dt)
+            if whole % hold:
+                raise ValueError(
+                    f"reality.control_period = {self.reality.control_period:g} s is {hold} time "
+                    f"steps, and a cycle of motion.{index} has {whole}: a cycle must have a whole "
+                    "number of control periods"
+                )
             if self.law.lead is not None and self.law.lead >= whole:
                 raise ValueError(
                     f"law.lead = {self.law.lead} is not shorter than the {whole} time steps of a "

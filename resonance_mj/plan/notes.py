@@ -126,6 +126,16 @@ def unstable(
     return list(map(Caution, said))
 
 
+def rounded(experiment: Experiment) -> list[str]:
+    """Times of `[reality]` that are no whole number of time steps, a line each."""
+    dt, reality, said = experiment.simulation.timestep, experiment.reality, []
+    for key in ("measurement_delay", "torque_delay", "control_period"):
+        given, taken = getattr(reality, key), reality.steps(key, dt) * dt
+        if given and abs(given - taken) > 1e-9:
+            said.append(f"reality.{key} = {given:g} s is simulated as {taken:.6g} s, whole steps")
+    return list(map(Caution, said))
+
+
 def _poses(joints: JointMotion) -> np.ndarray:
     return joints.q[:: max(1, len(joints.q) // POSES)]
 

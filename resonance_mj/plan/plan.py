@@ -197,6 +197,7 @@ class Plan:
         square, limited = self.robot.m == self.robot.n, bool(self.robot.limited.any())
         given = without_effect(self.experiment, square=square, limited=limited)
         before = notes.before(self.loaded, self.joints, self.optima)
+        before += notes.rounded(self.experiment)
         held = notes.held(self.robot, self.holding if self.left is None else None)
         lost = notes.lost(self.loaded, self.joints, self.optima)
         return (*self.unstable, *before, *map(Caution, given), *self.robot.notes, *held, *lost)

@@ -1,6 +1,8 @@
 """Elastic elements on an arm: each is one of MuJoCo's own tendon springs, or two of them."""
 
-from pathlib import Path
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -12,6 +14,9 @@ from ..springs.elements import Element, Elements
 from ..text import listed, nearest, shown
 from . import names
 
+if TYPE_CHECKING:
+    from .mjcf import Arm
+
 FAR = 1e10
 """Length that no element has."""
 
@@ -19,33 +24,25 @@ TURN = np.pi
 """How far a joint without a range turns from home, or slides [rad, m]."""
 
 
-def elements(
-    springs: Springs,
-    model: mujoco.MjModel,
-    joints: tuple[str, ...],
-    home: np.ndarray,
-    path: Path,
-) -> tuple[Element, ...]:
+def elements(springs: Springs, arm: Arm, home: np.ndarray) -> tuple[Element, ...]:
     """The elements of an experiment on an arm.
 
     Args:
         springs: of the experiment.
-        model: the robot's file as its author wrote it.
-        joints: names of the arm's joints.
+        arm: that was found in the robot's file; its notes get a line of tendons that are elements.
         home: joint angles at the start (n,) [rad].
-        path: of the file.
 
     Raises:
         RobotError: an element names a joint or a tendon that the arm does not have, or a rest
             length that its joints cannot bring it to.
     """
-    ids = [model.joint(name).id for name in joints]
+    model, ids = arm.model, arm.joint_id
     limited = model.jnt_limited[ids].astype(bool)[:, None]
     ranges = np.where(limited, model.jnt_range[ids], home[:, None] + [-TURN, TURN])
     found = []
     for index, given in enumerate(springs.element):
-        where = f"{path}: springs.element.{index}"
-        radii, stiffness, rest = _over(given, model, joints, where)
+        where = f"{arm.path}: springs.element.{index}"
+        radii, stiffness, rest = _over(given, model, arm.joints, where)
         ends = np.sort(radii[:, None] * ranges, axis=1).sum(axis=0)
         travel = float(ends[0]), float(ends[1])
         if given.kind in ("above", "below") and rest is None:
@@ -60,6 +57,8 @@ def elements(
                     f"{travel[0]:.4g} to {travel[1]:.4g}"
                 )
         found.append(Element(given.called, given.kind, radii, stiffness, rest, center, travel))
+    if named := [given.tendon for given in springs.element if given.tendon]:
+        arm.notes.append(f"elements, adjusted instead of as in the file: tendons {listed(named)}")
     return tuple(found)
 
 

@@ -198,7 +198,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), dofs)
         carries = any(motion.payload > 0 for motion in experiment.motion)
         load = payload.add(spec, arm.site, arm.point) if carries else None
-        elements = elastic.elements(experiment.springs, arm.model, joints, home, path)
+        elements = elastic.elements(experiment.springs, arm, home)
         elastic.add(spec, elements, joints)
         model = compile_spec(spec, path)
         joint_id = np.array([model.joint(name).id for name in joints])

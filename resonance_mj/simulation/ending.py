@@ -143,7 +143,11 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
     if growth := _growth(motion, 1.2):
         miss += f", {growth}"
     cures = list(dict.fromkeys(one.cure for one in held))
-    if not cures and (late := plan.experiment.reality.measurement_delay):
+    late = plan.experiment.reality.measurement_delay
+    last = plan.schedule.index(index) + plan.experiment.motion[index].cycles - 1
+    velocity = plan.desired(last).dx[:, : len(plan.robot.position_axes)]
+    speed = np.sqrt((velocity**2).sum(axis=1).mean())
+    if not cures and late and errors[-1] < 2 * late * speed:
         cures = [
             f"a smaller reality.measurement_delay (now {late:g} s): the tool is where it should be "
             "by what was measured, which is so much older"
