@@ -162,6 +162,10 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
         omega = f"a larger law.omega (now {plan.gains.omega:g} 1/s)"
         cures = [omega if law.k_v is None else "larger law.k_v and law.k_p"]
         cures.append(f"a longer motion.{index}.period")
+    if (
+        growth and held and plan.experiment.reality.sensed
+    ):  # what it runs into comes of what it does not see in time
+        cures = [calmer(plan), *cures]
     why = f": {named(held)}" if held else ""
     return (
         f"the tool does not follow motion {index + 1}: in its last cycle the RMS error is {miss}"
