@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 .PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check format benchmark gallery clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
-	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, twenty seconds"
+	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, eight seconds"
 	$(BIN)/resonance-mj run paper
 
 test: $(VENV)/installed-dev   ## run the tests

@@ -15,10 +15,10 @@ from typing import Any
 import mujoco
 
 from ..errors import CallbackError, ExperimentError
+from ..laws import memory
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.custom_law import custom, said
-from ..laws.memory import Header
-from ..laws.views import block, matrix
+from ..laws.views import block, own
 from ..step_functions import STEP_FUNCTIONS
 from .frozen import frozen
 
@@ -105,12 +105,11 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
     if mem.size == 0:
         return
     if begins_step(mem):
-        site = int(mem[Header.SITE])
-        jacobian = matrix(mem, mem[Header.JACOBIAN], 6, int(mem[Header.DOFS]))
-        rotational = jacobian[3:] if mem[Header.ROTATES] == 1.0 else None
-        mujoco.mj_jacSite(model, data, jacobian[:3], rotational, site)
-        orientation = data.site_xmat[site].reshape(3, 3)
-        position = data.site_xpos[site]
+        seen = own(mem)
+        rotational = seen.jacobian[3:] if seen.rotates else None
+        mujoco.mj_jacSite(model, data, seen.jacobian[:3], rotational, seen.site)
+        orientation = data.site_xmat[seen.site].reshape(3, 3)
+        position = data.site_xpos[seen.site]
         try:
             act(mem, data.qpos, data.qvel, position, orientation, data.ctrl, command)
         except (Exception, SystemExit) as error:
@@ -159,6 +158,7 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
 
 def _sources(command: Command) -> bytes:
     """All source code that the callback is made of: an edit in any of its files compiles anew."""
-    files = {str(Path(__file__).with_name("compilation.py"))}
+    folder = Path(__file__).parent
+    files = {str(folder / "compilation.py"), str(folder / "compiled_views.py"), memory.__file__}
     files |= {function.__code__.co_filename for function in (*STEP_FUNCTIONS, command)}
     return b"".join(Path(file).read_bytes() for file in sorted(files))

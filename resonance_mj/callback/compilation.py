@@ -9,16 +9,16 @@ import numpy as np
 from numba import carray, types
 from numba.core import cgutils
 from numba.core.errors import NumbaError
-from numba.extending import intrinsic, overload, register_jitable
+from numba.extending import intrinsic, register_jitable
 
 from ..errors import ExperimentError
-from ..laws import views
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom
 from ..laws.memory import Header
-from ..laws.views import block, matrix, own, row
+from ..laws.views import block, own, row
 from ..step_functions import STEP_FUNCTIONS
 from ..text import cut
+from . import compiled_views  # noqa: F401  so that Numba knows the views
 from .frozen import globals_read
 
 
@@ -50,12 +50,11 @@ def translate(
         speed = _doubles(_word(data, qvel), _word(model, nv))
         motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):
-            site = int(mem[Header.SITE])
-            jacobian = matrix(mem, mem[Header.JACOBIAN], 6, int(mem[Header.DOFS]))
-            rotational = jacobian[3:].ctypes.data if mem[Header.ROTATES] == 1.0 else 0
-            _mj_jacSite(model, data, jacobian.ctypes.data, rotational, site)
-            position = _word(data, site_xpos) + 24 * site
-            orientation = _pointer(_word(data, site_xmat) + 72 * site)
+            seen = own(mem)
+            rotational = seen.jacobian[3:].ctypes.data if seen.rotates else 0
+            _mj_jacSite(model, data, seen.jacobian.ctypes.data, rotational, seen.site)
+            position = _word(data, site_xpos) + 24 * seen.site
+            orientation = _pointer(_word(data, site_xmat) + 72 * seen.site)
             act(
                 mem,
                 _doubles(_word(data, qpos), _word(model, nq)),
@@ -108,8 +107,8 @@ def stepping(
 def _registered(command: Command) -> tuple[Command, Callable[..., None] | None]:
     """A command as compiled code can call it, with all that a step is made of; and a user's law."""
     for function in (*STEP_FUNCTIONS, command):
-        # What makes the views is inlined, so that those that are not used cost nothing.
-        register_jitable(forceinline=function in (own, row))(function)
+        # What makes a row is inlined, so that a view that is not used costs nothing.
+        register_jitable(forceinline=function is row)(function)
     law = custom(command)
     return (command if law is None else _guarded(command, law)), law
 
@@ -180,28 +179,3 @@ def _word(address: int, offset: int) -> int:
 def _doubles(address: int, size: int) -> np.ndarray:
     """View of `size` doubles at `address`."""
     return carray(_pointer(address), size, np.float64)
-
-
-# Compiled, views of the memory are built from their address: slicing and reshaping as Numba does it
-# takes half as long as all the arithmetic of the law.
-
-
-@overload(views.vector)
-def _vector(memory, start, size):  # type: ignore[no-untyped-def]
-    return lambda memory, start, size: carray(_address(memory, int(start)), size, np.float64)
-
-
-@overload(views.matrix)
-def _matrix(memory, start, rows, columns):  # type: ignore[no-untyped-def]
-    return lambda memory, start, rows, columns: carray(
-        _address(memory, int(start)), (rows, columns), np.float64
-    )
-
-
-@intrinsic
-def _address(typing_context: Any, memory: Any, start: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        return builder.bitcast(builder.gep(array.data, [arguments[1]]), cgutils.voidptr_t)
-
-    return types.voidptr(memory, types.intp), generate

@@ -69,7 +69,8 @@ def act(
             sensing.sense(memory)
             measure(memory, own.qvel_seen, own.tool_seen, own.orientation_seen, row.x)
             command(memory)
-            own.commanded[:] = own.tau
+            for j in range(own.n):
+                own.commanded[j] = own.tau[j]
         sensing.exert(memory)
         locate(memory, tool, orientation, row.x)
     if failed(memory):
@@ -253,7 +254,6 @@ def hold(qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
         ctrl: mjData.ctrl, written.
         forces: mjData.qfrc_bias and mjData.qfrc_passive, written.
     """
-    qvel[:] = 0.0
-    ctrl[:] = 0.0
-    for force in forces:
-        force[:] = 0.0
+    for array in (qvel, ctrl, *forces):
+        for i in range(array.size):
+            array[i] = 0.0

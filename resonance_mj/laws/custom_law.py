@@ -163,8 +163,8 @@ def _adapted(custom: Callable[..., None]) -> Command:
 
     def command(memory: np.ndarray) -> None:
         own = views(memory)
-        own.q[:] = own.angle
-        own.dq[:] = own.speed
+        for j in range(own.n):
+            own.q[j], own.dq[j] = own.angle[j], own.speed[j]
         custom(
             own.J, own.error, own.rate, own.q, own.dq, own.learned, own.parameters, own.y, own.tau
         )

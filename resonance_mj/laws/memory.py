@@ -36,7 +36,7 @@ _SHAPES: dict[tuple[str, ...], str] = {
     ("dofs",): "leader ratio qvel_seen",  # leader: of a dof that follows the arm's; else -1, 0
     ("slots", "wide"): "ring",  # of what was measured a delay ago
     ("slots", "joints"): "torques",
-    ("parameters",): "parameters",
+    ("given",): "parameters",
     ("more", "more"): "work",
     # tables over the cycle
     ("steps", "coordinates"): "x_desired dx_desired",
@@ -65,8 +65,9 @@ _SCALARS = (
     "coordinates",  # m
     "dofs",  # of the whole model
     "columns",  # of the record
+    "wide",  # of a row of the ring
     "more",  # than the joints and than the coordinates, by one
-    "parameters_given",  # of a custom law
+    "given",  # parameters of a custom law
     "site",  # the tool's id
     "rotates",  # 1 if the task has rotation, its last three coordinates
     "form",  # of (8): 0 for J^-1, 1 for J^T, 2 for the damped pseudo-inverse
@@ -93,8 +94,10 @@ _SCALARS = (
     "failed_joint",  # its joint; -1 where a custom law raised an exception
 )
 
-_HEADER = [name.upper() for name in (*_SCALARS, *ARRAYS)]
-Header: Any = namedtuple("Header", _HEADER)(*range(len(_HEADER)))
+NUMBERS = (*_SCALARS, *ARRAYS)
+"""Names of the header's numbers, in their order."""
+
+Header: Any = namedtuple("Header", [name.upper() for name in NUMBERS])(*range(len(NUMBERS)))
 """Index of each number of the header; an array's is where it begins in the block."""
 
 SIGNATURE = 20.14101987
@@ -109,7 +112,7 @@ class Layout:
     coordinates: int
     dofs: int
     steps: int
-    parameters: int = 0
+    given: int = 0
     noisy: int = 0
     slots: int = 0
     three: int = 3
@@ -171,9 +174,8 @@ class Memory:
         self._block, self._userdata = userdata[:, begin:-2], userdata
         userdata[:, -2] = begin
         userdata[:, -1] = SIGNATURE
-        for name in ("joints", "coordinates", "dofs", "columns", "more", "slots"):
+        for name in ("joints", "coordinates", "dofs", "columns", "wide", "more", "given", "slots"):
             self.scalar(name)[:] = getattr(layout, name)
-        self.scalar("parameters_given")[:] = layout.parameters
         self._views: dict[str, np.ndarray] = {}
         for name, (start, end) in zip(ARRAYS, pairwise(layout.starts()), strict=True):
             self.scalar(name)[:] = start
@@ -192,7 +194,7 @@ class Memory:
     def fixed(self, robot: int) -> np.ndarray:
         """What no step of a robot changes: sizes, places and addresses, by which steps find all."""
         changes = ("stage", "step", "clock", "filtered")
-        header = [self.scalar(name)[robot] for name in (*_SCALARS, *ARRAYS) if name not in changes]
+        header = [self.scalar(name)[robot] for name in NUMBERS if name not in changes]
         addresses = ["qpos_address", "dof_address", "joint_id", "actuator_id"]
         addresses += ["coordinate", "leader"]
         counts = [self.scalar(name)[robot] for name in ("stage", "clock")]

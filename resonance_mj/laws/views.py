@@ -1,8 +1,9 @@
 """The controller's block as a control step sees it: `own.tau_min[j]`, `own.alpha`, a row to record.
 
-Compiled, building the views costs nothing but what is used of them.
+Compiled, a view costs nothing but the arithmetic of its address, and one that is not used nothing.
 """
 
+import math
 from collections import namedtuple
 from typing import Any
 
@@ -29,115 +30,65 @@ def vector(memory: np.ndarray, start: float, size: int) -> np.ndarray:
     return memory[int(start) : int(start) + size]
 
 
-def matrix(memory: np.ndarray, start: float, rows: int, columns: int) -> np.ndarray:
-    """View of numbers of the block from `start`, as (rows, columns)."""
-    return memory[int(start) : int(start) + rows * columns].reshape(rows, columns)
+_COUNTS = "joints coordinates dofs columns wide more given site form slots delay torque_delay hold"
+INTEGERS = [*_COUNTS.split(), "clock", "step"]
+"""Numbers of the header that count."""
+
+FLAGS = ["rotates", "difference", "inertial", "differs"]
+"""Numbers of the header that are yes or no."""
+
+TABLES = ("steps", "noisy")
+"""First sizes of the tables over the cycle, of which a control step sees its row."""
+
+
+SIZES = {"three": 3, "six": 6}
+"""Sizes of arrays that are no numbers of the header."""
+
+
+def header_name(name: str) -> str:
+    """Name in the header of a number by its name in the paper."""
+    return {"n": "joints", "m": "coordinates"}.get(name, name)
+
+
+class Own:
+    """The block as a control step sees it, and of the tables over the cycle this step's rows.
+
+    Each number of the header and each array is an attribute, made when it is first asked for.
+
+    Args:
+        memory: the controller's block.
+    """
+
+    def __init__(self, memory: np.ndarray) -> None:
+        self.memory = memory
+
+    def __getattr__(self, name: str) -> Any:
+        key = header_name(name)
+        value: Any = self.memory[getattr(Header, key.upper())]
+        if key in ARRAYS:
+            row = ARRAYS[key][0] in TABLES
+            shape = [
+                SIZES[size] if size in SIZES else getattr(self, size) for size in ARRAYS[key][row:]
+            ]
+            start = int(value) + row * self.step * shape[0]
+            value = self.memory[start : start + math.prod(shape)].reshape(shape)
+        elif key in INTEGERS:
+            value = int(value)
+        elif key in FLAGS:
+            value = bool(value == 1.0)
+        setattr(self, name, value)
+        return value
+
+
+def own(memory: np.ndarray) -> Own:
+    """The block as a control step sees it."""
+    return Own(memory)
 
 
 _named: Any = namedtuple  # whose names a type checker cannot follow
 
-_NUMBERS = (
-    "n m dofs step site rotates form difference inertial usual length alpha alpha_0 timestep "
-    "filtered slots delay torque_delay hold resolution differs clock"
-)
-_VIEWS = [name for name in ARRAYS if name != "record"]
-Own = _named("Own", [*_NUMBERS.split(), "speed_limit", *_VIEWS])
-"""The numbers of the header that the law is tuned by, and a view of each array."""
-
 Row = _named("Row", list(COLUMNS))
 """What a control step records."""
-
-
-@step_function
-def own(memory: np.ndarray) -> Any:
-    """The block as a control step sees it, and of the tables over the cycle this step's rows."""
-    n, m = int(memory[Header.JOINTS]), int(memory[Header.COORDINATES])
-    step, more = int(memory[Header.STEP]), int(memory[Header.MORE])
-    slots, dofs = int(memory[Header.SLOTS]), int(memory[Header.DOFS])
-    return Own(
-        n=n,
-        m=m,
-        dofs=dofs,
-        step=step,
-        site=int(memory[Header.SITE]),
-        rotates=memory[Header.ROTATES] == 1.0,
-        form=int(memory[Header.FORM]),
-        difference=memory[Header.DIFFERENCE] == 1.0,
-        inertial=memory[Header.INERTIAL] == 1.0,
-        usual=memory[Header.USUAL],
-        length=memory[Header.LENGTH],
-        alpha=memory[Header.ALPHA],
-        alpha_0=memory[Header.ALPHA_0],
-        timestep=memory[Header.TIMESTEP],
-        filtered=memory[Header.FILTERED],
-        slots=slots,
-        delay=int(memory[Header.DELAY]),
-        torque_delay=int(memory[Header.TORQUE_DELAY]),
-        hold=int(memory[Header.HOLD]),
-        resolution=memory[Header.RESOLUTION],
-        differs=memory[Header.DIFFERS] == 1.0,
-        clock=int(memory[Header.CLOCK]),
-        speed_limit=memory[Header.SPEED_LIMIT],
-        qpos_address=vector(memory, memory[Header.QPOS_ADDRESS], n),
-        dof_address=vector(memory, memory[Header.DOF_ADDRESS], n),
-        joint_id=vector(memory, memory[Header.JOINT_ID], n),
-        actuator_id=vector(memory, memory[Header.ACTUATOR_ID], n),
-        coordinate=vector(memory, memory[Header.COORDINATE], m),
-        before=vector(memory, memory[Header.BEFORE], 3),
-        orientation=matrix(memory, memory[Header.ORIENTATION], 3, 3),
-        posture=vector(memory, memory[Header.POSTURE], n),
-        k_v=vector(memory, memory[Header.K_V], m),
-        k_p=vector(memory, memory[Header.K_P], m),
-        gamma_k=vector(memory, memory[Header.GAMMA_K], n),
-        gamma_qe=vector(memory, memory[Header.GAMMA_QE], n),
-        feedback=matrix(memory, memory[Header.FEEDBACK], n, n),
-        feedback_p=matrix(memory, memory[Header.FEEDBACK_P], n, n),
-        q_c=vector(memory, memory[Header.Q_C], n),
-        k_min=vector(memory, memory[Header.K_MIN], n),
-        k_max=vector(memory, memory[Header.K_MAX], n),
-        low=vector(memory, memory[Header.LOW], n),
-        high=vector(memory, memory[Header.HIGH], n),
-        parameters=vector(memory, memory[Header.PARAMETERS], int(memory[Header.PARAMETERS_GIVEN])),
-        torque_limit=vector(memory, memory[Header.TORQUE_LIMIT], n),
-        tau_min=vector(memory, memory[Header.TAU_MIN], n),
-        tau_max=vector(memory, memory[Header.TAU_MAX], n),
-        stiffness=vector(memory, memory[Header.STIFFNESS], n),
-        offset=vector(memory, memory[Header.OFFSET], n),
-        x_desired=vector(memory, memory[Header.X_DESIRED] + step * m, m),
-        dx_desired=vector(memory, memory[Header.DX_DESIRED] + step * m, m),
-        q_desired=vector(memory, memory[Header.Q_DESIRED] + step * n, n),
-        dq_desired=vector(memory, memory[Header.DQ_DESIRED] + step * n, n),
-        learned=vector(memory, memory[Header.LEARNED] + step * n, n),
-        jacobian=matrix(memory, memory[Header.JACOBIAN], 6, dofs),
-        leader=vector(memory, memory[Header.LEADER], dofs),
-        ratio=vector(memory, memory[Header.RATIO], dofs),
-        qvel_seen=vector(memory, memory[Header.QVEL_SEEN], dofs),
-        tool_seen=vector(memory, memory[Header.TOOL_SEEN], 3),
-        orientation_seen=matrix(memory, memory[Header.ORIENTATION_SEEN], 3, 3),
-        ring=matrix(memory, memory[Header.RING], slots, n + 7 * dofs + 12),
-        torques=matrix(memory, memory[Header.TORQUES], slots, n),
-        noise=vector(memory, memory[Header.NOISE] + step * n, n),
-        angle=vector(memory, memory[Header.ANGLE], n),
-        speed=vector(memory, memory[Header.SPEED], n),
-        angle_before=vector(memory, memory[Header.ANGLE_BEFORE], n),
-        seen=vector(memory, memory[Header.SEEN], n),
-        commanded=vector(memory, memory[Header.COMMANDED], n),
-        stiffness_step=vector(memory, memory[Header.STIFFNESS_STEP], n),
-        offset_step=vector(memory, memory[Header.OFFSET_STEP], n),
-        slow=vector(memory, memory[Header.SLOW], n),
-        slower=vector(memory, memory[Header.SLOWER], n),
-        J=matrix(memory, memory[Header.J], m, n),
-        error=vector(memory, memory[Header.ERROR], m),
-        rate=vector(memory, memory[Header.RATE], m),
-        s=vector(memory, memory[Header.S], m),
-        y=vector(memory, memory[Header.Y], n),
-        tau=vector(memory, memory[Header.TAU], n),
-        drift=vector(memory, memory[Header.DRIFT], n),
-        q=vector(memory, memory[Header.Q], n),
-        dq=vector(memory, memory[Header.DQ], n),
-        desired=matrix(memory, memory[Header.DESIRED], 3, 3),
-        work=matrix(memory, memory[Header.WORK], more, more),
-    )
 
 
 @step_function
