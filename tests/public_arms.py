@@ -26,6 +26,7 @@ from judge import CLAIMED, OF_TORQUE, Judgement, judge
 import resonance_mj as rmj
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.plan.plan import plan_for
+from resonance_mj.text import Caution
 
 PROCESSES = 2
 
@@ -124,7 +125,11 @@ def measure(path: str, changes: Mapping[str, Any]) -> Outcome:
 def outcome(run: rmj.Run) -> Outcome:
     """Judge a run."""
     robot, motion = run.plan.robot, run.motions[0]
-    warned = tuple(note for note in run.plan.notes if any(sign in note for sign in SIGNS))
+    warned = tuple(
+        note
+        for note in run.plan.notes
+        if isinstance(note, Caution) and any(sign in note for sign in SIGNS)
+    )
     judged = judge(run) if len(motion.cycles) else None
     return Outcome(
         status=str(run.status),

@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from threading import Thread
 
 import mujoco
 import numpy as np
@@ -111,28 +113,83 @@ def test_callback_is_gone_after_a_simulation_that_was_interrupted():
     assert rmj.simulate(short(cycles=1)).status == rmj.Status.OK
 
 
-def test_second_installation_is_refused_and_leaves_the_first_in_place():
+def test_a_law_within_a_law_of_one_thread_is_refused_and_leaves_the_first_in_place():
     with installed():
         before = pointer()
-        with pytest.raises(CallbackError, match="already running in this process"), installed():
+        with (
+            pytest.raises(CallbackError, match="another law is running"),
+            installed(interpret=True),
+        ):
             pass
+        assert pointer() == before
+        with installed():
+            assert pointer() == before
         assert pointer() == before
     assert not pointer()
 
 
-def test_simulation_within_a_simulation_is_refused_and_does_not_disturb_it():
-    experiment = short()
-    refusals = []
+def test_a_simulation_within_a_simulation_does_not_disturb_it():
+    experiment, within = short(), []
 
     def progress(done, total):
+        within.append(rmj.simulate(experiment))
         # Not "remove it": that would take the law away from the simulation that is running.
-        with pytest.raises(CallbackError, match="already running in this process") as refusal:
-            rmj.simulate(experiment)
-        refusals.append(refusal)
+        with pytest.raises(CallbackError, match="another law is running in this thread"):
+            rmj.simulate(experiment, interpret=True)
 
     disturbed = rmj.simulate(experiment, progress=progress)
-    assert len(refusals) == 2
-    assert_equal_to_the_last_bit(disturbed, rmj.simulate(experiment))
+    alone = rmj.simulate(experiment)
+    assert len(within) == 2
+    for run in (disturbed, *within):
+        assert_equal_to_the_last_bit(run, alone)
+
+
+def test_threads_simulate_side_by_side_and_end_as_one_by_one(tmp_path):
+    """Eight at once, of laws that share the callback and of some that must wait for it."""
+    law = tmp_path / "law.py"
+    law.write_text(
+        "def command(J, error, rate, q, dq, u, parameters, y, tau):\n"
+        "    for j in range(len(tau)):\n"
+        "        y[j] = dq[j]\n"
+        "        tau[j] = u[j] - parameters[0] * y[j]\n"
+    )
+    mine = {"law": {"kind": str(law), "parameters": [2.0]}}
+    kinds = [
+        (short(cycles=8), False),
+        (short({"law": {"kind": "transfer"}}, cycles=6), False),
+        (short({"law": {"kind": "joint-space"}}, cycles=6), False),
+        (short(cycles=1), True),
+        (short(mine, cycles=3), False),
+    ]
+    jobs = [kinds[index % len(kinds)] for index in range(16)]
+
+    def simulated(job):
+        experiment, interpret = job
+        return rmj.simulate(experiment, interpret=interpret)
+
+    alone = [simulated(kind) for kind in kinds]
+    with ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(simulated, jobs, timeout=120))
+    assert not pointer()
+    for index, run in enumerate(together):
+        assert_equal_to_the_last_bit(run, alone[index % len(kinds)])
+
+
+def test_a_thread_whose_law_is_another_waits_until_the_first_has_ended():
+    order = []
+
+    def other():
+        with installed(interpret=True):
+            order.append("other")
+
+    with installed():
+        thread = Thread(target=other)
+        thread.start()
+        thread.join(0.3)
+        order.append("first")
+    thread.join(30)
+    assert order == ["first", "other"]
+    assert not pointer()
 
 
 @pytest.fixture

@@ -245,3 +245,19 @@ def test_a_nearly_singular_home_gets_a_motion_beside_it_that_comes_to_the_optimu
     assert any("its center is" in note for note in run.plan.notes)
     assert (run.status, run.motions[0].verdict) == (Status.OK, "at optimum")
     assert run.motions[0].tracking_rms[-1] < 1.5e-3
+
+
+def test_a_motion_of_a_given_size_that_leaves_the_reach_about_home_gets_a_center_beside_it():
+    """The paper's arm is 0.55 m long; with this home it reaches 2 mm further than its tool is."""
+    given = {"robot.home": [0.2, 0.2], "motion.0.size": [0.04, 0.04], "motion.0.duration": 20.0}
+    run = rmj.simulate(for_robot("two_link.xml").replace(given))
+    said = [note for note in run.plan.notes if "its center is" in note]
+    assert len(said) == 1
+    assert "out of the arm's reach" in said[0]
+    motion = run.experiment.motion[0]
+    assert motion.size == (0.04, 0.04)
+    assert (run.status, run.motions[0].verdict) == (Status.OK, "at optimum")
+    for elsewhere in ({"motion.0.center": [0.52, 0.16]}, {"motion.0.size": [0.6, 0.6]}):
+        impossible = for_robot("two_link.xml").replace(given | elsewhere)
+        with pytest.raises(rmj.ResonanceError, match=r"motion\.0: out of the arm's reach"):
+            rmj.simulate(impossible)

@@ -1,7 +1,8 @@
 """The law as MuJoCo's control callback, compiled or interpreted.
 
-`mjcb_control` is one pointer for the whole process: `installed` sets it for the length of a `with`
-block, and refuses where another callback is in place.
+`mjcb_control` is one pointer for the whole process. What it points to finds all that it needs in
+the memory of the robot that is stepped, so that threads whose laws are the same function share it,
+as all laws that are compiled from the same command do; others wait for their turn.
 """
 
 import ctypes
@@ -20,21 +21,34 @@ from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom, said
 from ..laws.views import block, own
 from ..step_functions import STEP_FUNCTIONS
+from ..turns import compiling
 from .frozen import frozen
 
 ACTING = ("control", "passive", "contactfilter", "act_dyn", "act_gain", "act_bias", "sensor")
 """MuJoCo's callbacks, mjcb_NAME, that change what is simulated."""
 
-_installing = threading.Lock()
-"""Held while this package's own control callback is installed."""
+_turn = threading.Condition()
+"""Held while one of these changes."""
+
+_installed: Any = None
+"""The function that is in place, of this package; None if none is."""
+
+_users: list[int] = []
+"""Threads that it is in place for, one as often as it has installed it."""
+
+_waiting: list[object] = []
+"""Those that wait for it to be removed, in the order in which they came."""
+
+_compiling = threading.Lock()
+"""Held while a law is compiled or loaded: threads that need the same one compile it once."""
 
 _ready: dict[bytes, Any] = {}
 """Compiled callbacks of this process by all that they depend on."""
 
-_BUSY = (
-    "a simulation is already running in this process, and MuJoCo has one control callback per "
-    "process: run them one after the other, together with simulate_many, or in processes of their "
-    "own"
+
+_NESTED = (
+    "a simulation of another law is running in this thread, and MuJoCo has one control callback for "
+    "a process: start this one when it has ended"
 )
 
 
@@ -42,33 +56,56 @@ _BUSY = (
 def installed(*, interpret: bool = False, command: Command = standard) -> Iterator[None]:
     """Install the control callback while the `with` block runs, and remove it after.
 
+    Where another law of this package is in place, for another thread, this waits until its runs
+    have ended; threads take turns in the order in which they came.
+
     Args:
         interpret: run the law as plain Python, for a debugger, instead of compiled.
         command: the part of the control step that sets y and τ; a custom law's, or the standard.
 
     Raises:
-        CallbackError: a control callback is installed already, by this package or another.
+        CallbackError: a control callback of another program is installed, or this thread is itself
+            in the middle of a run of another law.
     """
-    refuse_another()
+    global _installed
+    refuse_foreign()
     function = partial(_interpreted, command) if interpret else _compiled(command)
-    if not _installing.acquire(blocking=False):
-        raise CallbackError(_BUSY)
+    this = threading.get_ident()
+    with _turn:
+        if this not in _users:
+            _wait_for_turn(function)
+        elif function is not _installed:
+            raise CallbackError(_NESTED)
+        if not _users:
+            refuse_foreign()
+            if interpret:
+                compiling.acquire()
+            _installed = function
+            mujoco.set_mjcb_control(function)
+        _users.append(this)
     try:
-        mujoco.set_mjcb_control(function)
         yield
     finally:
-        mujoco.set_mjcb_control(None)
-        _installing.release()
+        with _turn:
+            _users.remove(this)
+            if not _users:
+                mujoco.set_mjcb_control(None)
+                _installed = None
+                if interpret:
+                    compiling.release()
+                _turn.notify_all()
 
 
-def refuse_another() -> None:
-    """Raise a CallbackError if a callback is in place, this package's or another.
-
-    Checked before a robot is loaded, because MuJoCo calls them while it compiles a model.
-    """
-    if _installing.locked():
-        raise CallbackError(_BUSY)
-    refuse_foreign()
+def _wait_for_turn(function: Any) -> None:
+    """Return when nobody uses another function and nobody came before who waits for that."""
+    ticket = object()
+    _waiting.append(ticket)
+    try:
+        while _waiting[0] is not ticket or (_users and function is not _installed):
+            _turn.wait(1.0)  # now and then, so that an interrupt is heard wherever Python runs
+    finally:
+        _waiting.remove(ticket)
+        _turn.notify_all()
 
 
 def refuse_foreign() -> None:
@@ -77,11 +114,15 @@ def refuse_foreign() -> None:
     MuJoCo calls some of them while it compiles a model: the robot's file is not to blame.
     """
     for name in ACTING:
-        if pointer(name) and not (name == "control" and _installing.locked()):
-            raise CallbackError(
-                f"another callback, mjcb_{name}, is installed in this process and would act on the "
-                f"robot: remove it with mujoco.set_mjcb_{name}(None) before"
-            )
+        with _turn:
+            ours = name == "control" and _users
+            if ours and isinstance(_installed, partial) and threading.get_ident() in _users:
+                raise CallbackError(_NESTED)
+            if pointer(name) and not ours:
+                raise CallbackError(
+                    f"another callback, mjcb_{name}, is installed in this process and would act on "
+                    f"the robot: remove it with mujoco.set_mjcb_{name}(None) before"
+                )
 
 
 def pointer(name: str) -> int | None:
@@ -135,7 +176,8 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
         # Compiling anything defines what a law needs that allocates or raises.
         numba.cfunc("void()")(lambda: None)
 
-    from . import machine_code, structs
+    with compiling:
+        from . import machine_code, structs
 
     llvmlite.binding.load_library_permanently(str(_libmujoco()))
     layout = (structs.MODEL_OFFSETS, structs.DATA_OFFSETS)
@@ -147,13 +189,14 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
 
     depends_on = frozen(command)
     key = None if depends_on is None else repr(layout).encode() + _sources(command) + depends_on
-    if key in _ready:
-        return _ready[key]
-    address = machine_code.load(key, translate)
-    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
-    if key is not None:
-        _ready[key] = function
-    return function
+    with _compiling:
+        if key in _ready:
+            return _ready[key]
+        address = machine_code.load(key, translate)
+        function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+        if key is not None:
+            _ready[key] = function
+        return function
 
 
 def _sources(command: Command) -> bytes:

@@ -249,7 +249,7 @@ def compare(
         ExperimentError: `long` is neither 0 nor at least 20.
         RobotError: the robot cannot be loaded.
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
-        CallbackError: another simulation is running in this process.
+        CallbackError: another program's callback is installed in this process.
     """
     if long and long < SHORTEST:
         raise ExperimentError(

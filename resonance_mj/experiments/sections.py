@@ -17,6 +17,8 @@ from pydantic import (
     field_validator,
 )
 
+from ..turns import compiling
+
 
 def _one_alone(given: Any) -> Any:
     """A list of one number or name may be written without brackets."""
@@ -71,7 +73,8 @@ def as_file(given: Any) -> Any:
     import numpy as np
     from platformdirs import user_cache_path
 
-    model = given.compile() if isinstance(given, mujoco.MjSpec) else given
+    with compiling:
+        model = given.compile() if isinstance(given, mujoco.MjSpec) else given
     if not isinstance(model, mujoco.MjModel):
         return given
     buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)

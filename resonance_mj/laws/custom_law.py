@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +28,9 @@ COMMAND = ("J", "error", "rate", "q", "dq", "u", "parameters", "y", "tau")
 
 LEARN = ("u", "y", "q", "stiffness", "offset", "center", "parameters", "bounds")
 """What a custom law's `learn` may take, by name; it returns u, stiffness, offset, center."""
+
+_executing = threading.Lock()
+"""Held while a law's file is executed: modules are the whole process's."""
 
 
 def load(file: str) -> tuple[Command, Learn | None]:
@@ -91,7 +95,7 @@ def _executed(path: Path, source: str) -> ModuleType:
     module = ModuleType(f"resonance_mj_law_{path.stem}")
     module.__file__ = str(path)
     try:
-        with _fresh_modules(path.resolve().parent):
+        with _executing, _fresh_modules(path.resolve().parent):
             exec(compile(source, str(path), "exec"), vars(module))
     except (Exception, SystemExit) as error:
         raise ExperimentError(f"{path}: cannot be executed: {said(error, str(path))}") from error

@@ -221,7 +221,7 @@ def _delayed(
             # Noise is correlated with what was learned of it, and hides some of the delay.
             pace = (CALMER if tuning.filtered else 1.0) * tuning.pace
             return found._replace(delay=delay, ratio=r, pace=pace)
-    return found._replace(pace=CALMER * tuning.pace) if grows else found
+    return found._replace(pace=CALMER * tuning.pace) if grows and not passing else found
 
 
 def _lead(tuning: Tuning, cycle: Cycle, gains: Gains) -> int | None:

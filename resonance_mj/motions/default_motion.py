@@ -17,6 +17,7 @@ from .margins import (
     GLANCE,
     LIMITS,
     NEAR_SINGULAR,
+    beyond_range,
     jerk,
     lacks_margin,
     nearness,
@@ -36,6 +37,9 @@ TRIES = 20
 
 POINTS = 48
 """Points of the cycle at which the arm is looked at."""
+
+SEEN = 4
+"""How many times more where a motion of a given size is looked at."""
 
 FINE = 20
 """How many times more where a size seems to fit: near a singular pose a joint moves suddenly."""
@@ -64,8 +68,9 @@ def filled_in(
 ) -> Experiment:
     """The experiment with what it left open in its motions filled in.
 
-    A motion of no size and no center, for which home leaves no room, gets a center beside it, and
-    `notes` a line that says so. The posture is taken back at the rate alpha_0 [1/s].
+    A motion of no center, for which home leaves no room, gets one beside it, and `notes` a line
+    that says so; where there is none beside it either, one of a given size stays at home. The
+    posture is taken back at the rate alpha_0 [1/s].
 
     Raises:
         ExperimentError: a motion does not fit the task.
@@ -81,10 +86,18 @@ def filled_in(
         motion = motions.resolve(given, robot, at_home, name)
         try:
             fitting = sized(motion, kinematics, name, alpha_0, bounds)
+            if given.center is None and given.size is not None and motion.center is not None:
+                _try(motion, kinematics, name, alpha_0, bounds)
         except NoRoomError as error:
             if given.center is not None:
                 raise
-            fitting = _beside(motion, kinematics, name, alpha_0, bounds, error)
+            beside = _beside(motion, kinematics, name, alpha_0, bounds)
+            if beside is None and given.size is None:
+                raise
+            if beside is None:
+                filled.append(motion)
+                continue
+            fitting = beside
             away = np.subtract(fitting.center or (), motion.center or ())
             notes.append(
                 f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
@@ -142,18 +155,27 @@ def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
     return found
 
 
-def _beside(
-    motion: Motion,
-    kinematics: Kinematics,
-    name: str,
-    alpha_0: float,
-    bounds: Bounds,
-    error: NoRoomError,
-) -> Motion:
-    """A motion sized about the nearest center tried beside home that leaves room for it.
+def _try(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float, bounds: Bounds) -> None:
+    """Raise a NoRoomError if the arm cannot make a motion at all, with margin or without."""
+    robot = kinematics.robot
+    points = SEEN * POINTS
+    samples, rate = motions.sample(motion, points, robot), _rate(alpha_0, motion, points)
+    try:
+        followed = kinematics.follow(samples, robot.home, motion.period, name, rate)
+    except MotionError as error:
+        raise NoRoomError(str(error), str(error).removeprefix(f"{name}: ")) from error
+    reason = beyond_range(followed.q, robot)
+    reason = reason or too_heavy(followed, kinematics, motion.period, bounds, share=1.0)
+    if reason:
+        raise NoRoomError(f"{name}: {reason}", reason)
 
-    Raises:
-        NoRoomError: the given one, if none does.
+
+def _beside(
+    motion: Motion, kinematics: Kinematics, name: str, alpha_0: float, bounds: Bounds
+) -> Motion | None:
+    """A motion about the nearest center tried beside home that leaves room for it; None if none.
+
+    If it has no size, it gets one.
     """
     robot = kinematics.robot
     center = np.array(motion.center)
@@ -172,12 +194,13 @@ def _beside(
                 continue
             # Where the smallest finds no room, none of the larger ones does.
             smallest = SHARE * reach(robot) * SHRINK ** (TRIES - 1)
-            small = candidate.model_copy(update={"size": (smallest, smallest / 2)})
+            size = candidate.size or (smallest, smallest / 2)
+            small = candidate.model_copy(update={"size": size})
             if not _obstacle(small, kinematics, middle, name, alpha_0, bounds):
                 return sized(candidate, kinematics, name, alpha_0, bounds)
         except MotionError:
             continue
-    raise error
+    return None
 
 
 def _middle(motion: Motion, kinematics: Kinematics, name: str) -> np.ndarray:
@@ -192,6 +215,11 @@ def _middle(motion: Motion, kinematics: Kinematics, name: str) -> np.ndarray:
             f"no nearer than {away * 1e3:.1f} mm; at home it is where center is if not given"
         )
     return q
+
+
+def _rate(alpha_0: float, motion: Motion, points: int) -> float:
+    """Rate [1/s] of the posture's return: a coarse cycle overshoots if it is within a step."""
+    return min(alpha_0, 0.5 * points / motion.period)
 
 
 def _obstacle(
@@ -212,8 +240,7 @@ def _obstacle(
             return reason
     for points in (POINTS, FINE * POINTS):
         samples = motions.sample(motion, points, robot)
-        # So coarse a cycle would overshoot with a posture that returns within a step.
-        rate = min(alpha_0, 0.5 * points / motion.period)
+        rate = _rate(alpha_0, motion, points)
         try:
             followed = kinematics.follow(samples, home, motion.period, name, rate)
         except MotionError as error:

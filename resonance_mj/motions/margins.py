@@ -54,9 +54,16 @@ def touches(q: np.ndarray, middle: np.ndarray, robot: Robot) -> str:
 
 
 def too_heavy(
-    joints: JointMotion, kinematics: Kinematics, period: float, bounds: Bounds | None
+    joints: JointMotion,
+    kinematics: Kinematics,
+    period: float,
+    bounds: Bounds | None,
+    share: float = MOTORS,
 ) -> str:
-    """Which motor is too weak for a joint motion even with the best springs; empty if none is."""
+    """Which motor is too weak for a joint motion even with the best springs; empty if none is.
+
+    A motor shall need no more than a `share` of its limits.
+    """
     robot = kinematics.robot
     best = best_springs(
         joints.q,
@@ -65,13 +72,13 @@ def too_heavy(
         period=period,
         bounds=bounds or UNBOUNDED,
     )
-    low, high = MOTORS * robot.torque_limit.T
+    low, high = share * robot.torque_limit.T
     least, most = best.torque.min(axis=0), best.torque.max(axis=0)
     for j in np.flatnonzero((least < low) | (most > high)):
         unit = "N" if robot.slides[j] else "N m"
         return (
-            f"the motor of {robot.joints[j]} gives {low[j] / MOTORS:.3g} to "
-            f"{high[j] / MOTORS:.3g} {unit} and needs {least[j]:.3g} to {most[j]:.3g} {unit} even "
+            f"the motor of {robot.joints[j]} gives {low[j] / share:.3g} to "
+            f"{high[j] / share:.3g} {unit} and needs {least[j]:.3g} to {most[j]:.3g} {unit} even "
             "with the best springs"
         )
     return ""
@@ -100,6 +107,19 @@ def lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> s
             f"too near to the ends of its range, {low[j]:.3g} to {high[j]:.3g}"
         )
     return ""
+
+
+def beyond_range(q: np.ndarray, robot: Robot) -> str:
+    """Which joint leaves its range at joint angles (N, n); empty if none does."""
+    beyond = (to_limit(q, robot) < 0) & robot.limited
+    if not beyond.any():
+        return ""
+    j = int(np.argmax(beyond.any(axis=0)))
+    low, high = robot.model.jnt_range[robot.joint_id[j]]
+    return (
+        f"joint {robot.joints[j]!r} moves from {q[:, j].min():.3g} to {q[:, j].max():.3g}, beyond "
+        f"its range, {low:.3g} to {high:.3g}"
+    )
 
 
 def to_limit(q: np.ndarray, robot: Robot) -> np.ndarray:

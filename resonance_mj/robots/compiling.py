@@ -1,19 +1,17 @@
 """A file is parsed and compiled, with MuJoCo's own message and the file in the error."""
 
-import threading
 import warnings
 from pathlib import Path
 
 import mujoco
 
 from ..errors import RobotError
+from ..turns import compiling
 from . import names, urdf, warned
 from .decompiling import spec_of
 
 COMPILED = ".mjb"
 """Ending of a file that holds a compiled model."""
-
-_turn = threading.Lock()
 
 
 def parse(
@@ -62,7 +60,7 @@ def compile_spec(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
         RobotError: MuJoCo rejects the model.
     """
     # What Python warns of is recorded for the whole process: one thread at a time.
-    with _turn, warnings.catch_warnings(record=True) as said:
+    with compiling, warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:
             model = spec.compile()

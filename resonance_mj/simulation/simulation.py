@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import mujoco
 
-from ..callback.callback import installed, refuse_another
+from ..callback.callback import installed, refuse_foreign
 from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..laws.memory import Memory
@@ -83,9 +83,9 @@ def simulate(
             `resume` is of another experiment, of other files or versions.
         OutputError: a checkpoint cannot be saved.
         StabilityError: the feedback or the learning will diverge, and `strict` is set.
-        CallbackError: another simulation is running in this process.
+        CallbackError: another program's callback is installed in this process.
     """
-    refuse_another()
+    refuse_foreign()
     if checkpoint < 0 or (checkpoint and folder is None):
         raise ExperimentError(
             f"checkpoint = {checkpoint}: a number of cycles and a folder for the run are needed"
@@ -141,9 +141,9 @@ def simulate_many(
         RobotError: a robot cannot be loaded.
         MotionError: a motion leaves an arm's reach or passes through a singular pose.
         StabilityError: the feedback or the learning of one will diverge, and `strict` is set.
-        CallbackError: another simulation is running in this process.
+        CallbackError: another program's callback is installed in this process.
     """
-    refuse_another()
+    refuse_foreign()
     followed: Followed = {}
     plans = [plan_for(experiment, followed) for experiment in experiments]
     for plan in plans:
@@ -204,7 +204,7 @@ def simulate_plans(
 
     Raises:
         MotionError: a law that is told the joint motion is asked for one that cannot be made.
-        CallbackError: another simulation is running in this process.
+        CallbackError: another program's callback is installed in this process.
     """
     for plan in plans:
         _ = plan.inputs  # as they are now

@@ -12,7 +12,7 @@ from typing import Any
 
 import xarray as xr
 
-from ..callback.callback import refuse_another
+from ..callback.callback import refuse_foreign
 from ..errors import ExperimentError, OutputError, ResonanceError
 from ..experiments.experiment import Experiment
 from ..experiments.sweeping import Sweep, load_sweep, sweep_of
@@ -74,7 +74,7 @@ def sweep(
         ExperimentError: a key or a value is not valid.
         OutputError: the folder cannot be written, or is of another sweep.
     """
-    refuse_another()
+    refuse_foreign()
     base = given if isinstance(given, Experiment) else None
     name = given.name if isinstance(given, Experiment) else os.fspath(given)
     if keys is None and base is not None:

@@ -74,11 +74,11 @@ def view(
                 window.show(shown, int(shown.sample[number]), scale)
         return what
     display.check()
-    from ...callback.callback import refuse_another
+    from ...callback.callback import refuse_foreign
     from ...plan.plan import plan_for
     from .live import live
 
-    refuse_another()
+    refuse_foreign()
     prepared = plan_for(what)
     for line in (*prepared.notes, KEYS_HELP):
         note(line)
