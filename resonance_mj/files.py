@@ -105,7 +105,7 @@ def writable(folder: str | os.PathLike[str]) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except (OSError, ValueError) as error:
-        raise _unwritable(folder, error) from None
+        raise unwritable(folder, error) from None
     return folder
 
 
@@ -117,15 +117,15 @@ def could_be_written(folder: str | os.PathLike[str]) -> Path:
     """
     folder = Path(folder)
     try:
-        nearest = _nearest(folder)
+        nearest = nearest_folder(folder)
     except (OSError, ValueError) as error:
-        raise _unwritable(folder, error) from None
+        raise unwritable(folder, error) from None
     if not nearest.is_dir():
-        raise _unwritable(folder, f"{nearest} is not a folder")
+        raise unwritable(folder, f"{nearest} is not a folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
-        raise _unwritable(folder, f"{nearest} may not be written")
+        raise unwritable(folder, f"{nearest} may not be written")
     if any(len(os.fsencode(part)) > LONGEST for part in folder.parts):
-        raise _unwritable(folder, f"a name in it is longer than {LONGEST} bytes")
+        raise unwritable(folder, f"a name in it is longer than {LONGEST} bytes")
     return folder
 
 
@@ -139,14 +139,14 @@ def could_be_replaced(path: Path) -> Path:
     try:
         folder, other = path.is_dir(), path.exists() and not path.is_file()
     except (OSError, ValueError) as error:
-        raise _unwritable(path, error) from None
+        raise unwritable(path, error) from None
     if folder or other:
         what = "a folder; give the name of a file in it" if folder else "no regular file"
         raise OutputError(f"{path}: is {what}")
     return path
 
 
-def _nearest(folder: Path) -> Path:
+def nearest_folder(folder: Path) -> Path:
     """The folder, or the nearest of those that hold it which exists."""
     path = folder.absolute()
     while True:
@@ -160,7 +160,8 @@ def _nearest(folder: Path) -> Path:
             return path
 
 
-def _unwritable(path: Path, reason: str | Exception) -> OutputError:
+def unwritable(path: Path, reason: str | Exception) -> OutputError:
+    """The error of what cannot be written, for a reason."""
     why = getattr(reason, "strerror", None) or reason
     return OutputError(f"{path}: cannot be written: {why}; give a folder that can")
 
@@ -179,7 +180,7 @@ def replacing(path: Path) -> Iterator[Path]:
             yield staging / path.name
             (staging / path.name).replace(path)
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise unwritable(path, error) from None
 
 
 def write(
@@ -217,7 +218,7 @@ def write(
                 for path in (path for path in old if path.name not in whole):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
     except OSError as error:
-        raise _unwritable(folder, error) from None
+        raise unwritable(folder, error) from None
     return folder
 
 

@@ -18,7 +18,7 @@ import xarray as xr
 from test_simulation import assert_equal_to_the_last_bit, short
 
 import resonance_mj as rmj
-from resonance_mj import files, library
+from resonance_mj import claim, files, library
 from resonance_mj.errors import OutputError
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.results import storing
@@ -95,6 +95,27 @@ def test_summary_and_run_agree_where_data_was_changed_after_its_figures_were_rea
 
 
 # A run is saved whole, or not at all
+
+
+def test_one_run_at_a_time_has_a_folder_and_the_other_is_told_so(tmp_path):
+    folder = tmp_path / "run"
+    command = [sys.executable, "-P", "-m", "resonance_mj.cli", "run", "two-link-transfer"]
+    command += ["--motion.0.duration", "3", "--motion.1.duration", "3", "--out", str(folder)]
+    with claim.claimed(folder):
+        for more in ([], ["--checkpoint", "2"]):
+            refused = subprocess.run([*command, *more], capture_output=True, text=True, check=False)
+            assert refused.returncode == 2
+            assert f"{folder}: another run is being written" in refused.stderr
+    assert not folder.exists()
+    many = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(4)
+    ]
+    ended = [(process.communicate()[1], process.returncode) for process in many]
+    assert 0 in {status for _, status in ended}
+    assert all(status == 0 or f"{folder}: another run is" in said for said, status in ended)
+    assert rmj.Run.load(folder).status is rmj.Status.OK
+    assert not [path.name for path in folder.iterdir() if path.name.startswith(".")]
 
 
 def test_a_save_that_is_interrupted_between_its_files_leaves_the_run_before(run, other, tmp_path):

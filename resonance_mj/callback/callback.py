@@ -47,8 +47,8 @@ _ready: dict[bytes, Any] = {}
 
 
 _NESTED = (
-    "a simulation of another law is running in this thread, and MuJoCo has one control callback for "
-    "a process: start this one when it has ended"
+    "a simulation of another law is running in this thread, and MuJoCo has one control callback "
+    "for a process: start this one when it has ended"
 )
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import resonance_mj as rmj
 
+from ..claim import claimed
 from ..errors import ExperimentError
 from ..files import could_be_written
 from ..pictures.figures.catalogue import DRAFT
@@ -52,9 +54,16 @@ if TYPE_CHECKING:
 def run(options: Namespace) -> int:
     """Simulate an experiment and write its run."""
     experiment = keys_as_options.experiment(options)
+    folder = could_be_written(options.out or Path("runs") / experiment.name)
+    # While it is saved now and then, `simulate` has the folder for itself.
+    with nullcontext() if options.checkpoint else claimed(folder):
+        return _made(experiment, folder, options)
+
+
+def _made(experiment: rmj.Experiment, folder: Path, options: Namespace) -> int:
+    """Simulate and write into a folder as options ask for; returns the exit status."""
     from . import tables
 
-    folder = could_be_written(options.out or Path("runs") / experiment.name)
     screen = Screen(options)
     name, total = experiment.name, sum(motion.cycles for motion in experiment.motion)
     with (

@@ -2,12 +2,14 @@
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
 import mujoco
 
 from ..callback.callback import installed, refuse_foreign
+from ..claim import claimed
 from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..laws.memory import Memory
@@ -81,7 +83,7 @@ def simulate(
         MotionError: a motion leaves the arm's reach or passes through a singular pose.
         ExperimentError: `after` is a run of another arm or task, or one that did not end; or
             `resume` is of another experiment, of other files or versions.
-        OutputError: a checkpoint cannot be saved.
+        OutputError: a checkpoint cannot be saved, or another run is being saved there.
         StabilityError: the feedback or the learning will diverge, and `strict` is set.
         CallbackError: another program's callback is installed in this process.
     """
@@ -101,16 +103,18 @@ def simulate(
         check_resumed(resume, plan)
         if resume.status is not Status.INTERRUPTED:
             return resume
-    (run,) = simulate_plans(
-        [plan],
-        Alone,
-        interpret=interpret,
-        start=start,
-        progress=progress,
-        stop=stop,
-        keep=Keep(checkpoint, folder) if checkpoint and folder is not None else None,
-        resume=resume,
-    )
+    keep = Keep(checkpoint, folder) if checkpoint and folder is not None else None
+    with nullcontext() if keep is None else claimed(keep.folder):
+        (run,) = simulate_plans(
+            [plan],
+            Alone,
+            interpret=interpret,
+            start=start,
+            progress=progress,
+            stop=stop,
+            keep=keep,
+            resume=resume,
+        )
     for line in run.notes[len(plan.notes) :]:
         note(line)
     return run

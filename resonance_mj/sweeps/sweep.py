@@ -7,12 +7,14 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from ..callback.callback import refuse_foreign
+from ..claim import CLAIM, claimed
 from ..errors import ExperimentError, OutputError, ResonanceError
 from ..experiments.experiment import Experiment
 from ..experiments.sweeping import Sweep, load_sweep, sweep_of
@@ -86,7 +88,8 @@ def sweep(
         values |= {"method": method, "seed": seed, "count": count}
         settings = sweep_of(values, f"sweep of {name}")
     experiments = settings.experiments(base, yes=yes)
-    return _swept(settings, experiments, Path(folder) if folder else None, threads, progress)
+    with claimed(folder) if folder else nullcontext() as at:
+        return _swept(settings, experiments, at, threads, progress)
 
 
 def _swept(
@@ -188,7 +191,7 @@ def _claim(folder: Path, settings: Sweep, experiments: Sequence[Experiment]) -> 
                 "folder, or remove it"
             )
         return
-    if folder.is_dir() and any(folder.iterdir()):
+    if any(path.name != CLAIM for path in folder.iterdir()):
         raise OutputError(f"{folder}: is not empty, and no sweep's; give another folder")
     write(folder, {SETTINGS: said.encode()})
 
