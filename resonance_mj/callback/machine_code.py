@@ -24,6 +24,7 @@ LARGEST = 8_000_000
 
 _NAME = "resonance_mj"
 _loaded: list[Any] = []
+_ABORT = ctypes.CFUNCTYPE(None)(os.abort)
 
 
 def load(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
@@ -86,7 +87,8 @@ def _own(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
 
 
 def _read(path: Path) -> bytes:
-    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | os.O_NONBLOCK)
+    careful = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    descriptor = os.open(path, os.O_RDONLY | careful)
     with os.fdopen(descriptor, "rb") as file:
         if not _own(os.fstat(descriptor), stat.S_ISREG):
             raise OSError(f"{path}: is not this user's own file")
@@ -129,7 +131,6 @@ def _define_missing(names: list[str]) -> None:
     Compiled functions name what Numba needs to raise an exception, whether they ever do or not, and
     code with undefined names cannot be loaded. Where Numba is imported, they are its own.
     """
-    abort = ctypes.cast(ctypes.CDLL(None).abort, ctypes.c_void_p).value
     for name in names:
         if llvm.address_of_symbol(name) is None:
-            llvm.add_symbol(name, abort)
+            llvm.add_symbol(name, ctypes.cast(_ABORT, ctypes.c_void_p).value)
