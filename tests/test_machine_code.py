@@ -88,6 +88,27 @@ def test_without_a_folder_to_write_each_process_compiles(cache):
     assert answer(b"one", translated) == 42
 
 
+def test_that_the_law_cannot_be_kept_is_said_once_by_the_run_that_compiled_it(tmp_path):
+    taken = tmp_path / "cache"
+    taken.write_text("a file where the folder would be")
+    code = (
+        "import resonance_mj as rmj\n"
+        "paper = rmj.load('paper')\n"
+        "short = [paper.motion[0].model_dump() | {'duration': 1.0}]\n"
+        "rmj.simulate(paper.replace({'motion': short, 'expect': {}}), note=print)"
+    )
+    said = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"XDG_CACHE_HOME": str(taken)},
+    )
+    (line,) = [line for line in said.stdout.splitlines() if "not kept" in line]
+    assert "compiles it anew" in line
+    assert str(taken) in line
+
+
 def test_without_a_home_nothing_is_put_into_the_working_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(machine_code, "user_cache_path", lambda name: Path("~", ".cache", name))

@@ -18,7 +18,7 @@ PRETEND = """
 import ctypes, json, os, signal, sys
 import h5netcdf, h5py, imageio_ffmpeg, matplotlib.pyplot, mujoco, numba, scipy.optimize
 import scipy.interpolate, scipy.linalg, scipy.stats, xarray, rich.progress, pydantic, tomlkit
-import platformdirs, multiprocessing.connection, concurrent.futures.process, subprocess, tempfile, webbrowser
+import platformdirs, concurrent.futures.process, subprocess, tempfile
 SYSTEM = sys.argv[1]
 for name in ("fork", "posix_spawn", "killpg"):
     vars(os).pop(name, None)

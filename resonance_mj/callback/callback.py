@@ -108,6 +108,13 @@ def _wait_for_turn(function: Any) -> None:
         _turn.notify_all()
 
 
+def not_kept() -> str:
+    """Why the compiled law is not on disk for other processes, in a line; empty if it is."""
+    from . import machine_code
+
+    return machine_code.not_kept()
+
+
 def refuse_foreign() -> None:
     """Raise a CallbackError that names a callback which acts in this process and is not ours.
 

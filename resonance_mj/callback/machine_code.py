@@ -1,11 +1,11 @@
 """Machine code kept on disk: a compiled function is loaded without its compiler."""
 
-import contextlib
 import ctypes
 import hashlib
 import os
 import stat
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ LARGEST = 8_000_000
 
 _NAME = "resonance_mj"
 _loaded: list[Any] = []
+_reasons: list[str] = []
 _ABORT = ctypes.CFUNCTYPE(None)(os.abort)
 
 
@@ -41,7 +42,7 @@ def load(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
     Note:
         The code is in the user's cache folder, $XDG_CACHE_HOME/resonance-mj on Linux, and is loaded
         only if folder and file are the user's own and nobody else may write them. Where there is no
-        such folder, each process compiles anew.
+        such folder, each process compiles anew, and `not_kept` says why.
     """
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
@@ -52,7 +53,10 @@ def load(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     everything = (processor, features, version("numba"), version("llvmlite"), version("numpy"))
     digest = hashlib.sha256((key or b"") + repr(everything).encode()).hexdigest()[:24]
-    path = None if key is None else _trusted_folder(f"control-{digest}.o")
+    path = None
+    if key is not None:
+        with _said_if_not_kept():
+            path = _trusted_folder() / f"control-{digest}.o"
     try:
         needs, code = _parts(b"" if path is None else _read(path))
     except (OSError, ValueError):
@@ -67,17 +71,32 @@ def load(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
     return int(engine.get_function_address(_NAME))
 
 
-def _trusted_folder(name: str) -> Path | None:
-    """A file's path in the user's cache folder; None where others could write there."""
+def not_kept() -> str:
+    """Why this process's machine code is not on disk, in a line; empty if it is."""
+    return _reasons[-1] if _reasons else ""
+
+
+@contextmanager
+def _said_if_not_kept() -> Iterator[None]:
+    """Remember why something cannot be kept, instead of failing."""
     try:
-        folder = user_cache_path("resonance-mj")
-        if not folder.is_absolute():
-            return None
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        trusted = _own(folder.lstat(), stat.S_ISDIR)
-    except (OSError, RuntimeError):  # it cannot be made, or the user has no home
-        return None
-    return folder / name if trusted else None
+        yield
+    except (OutputError, OSError, RuntimeError) as error:
+        reason = str(error) if isinstance(error, OutputError) else error
+        _reasons.append(
+            f"the compiled law is not kept, and each process compiles it anew: {reason}"
+        )
+
+
+def _trusted_folder() -> Path:
+    """The user's cache folder; an OSError or RuntimeError where others could write there."""
+    folder = user_cache_path("resonance-mj")
+    if not folder.is_absolute():
+        raise OSError("the user has no home, and XDG_CACHE_HOME names no folder")
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if not _own(folder.lstat(), stat.S_ISDIR):
+        raise OSError(f"{folder} is not the user's own, or others may write there")
+    return folder
 
 
 def _own(found: os.stat_result, kind: Callable[[int], bool]) -> bool:
@@ -97,7 +116,7 @@ def _read(path: Path) -> bytes:
 
 def _keep(path: Path, written: bytes) -> None:
     """Write a file into the cache, and drop the oldest of too many."""
-    with contextlib.suppress(OutputError, OSError):
+    with _said_if_not_kept():
         with replacing(path) as beside:
             beside.write_bytes(written)
             beside.chmod(0o600)

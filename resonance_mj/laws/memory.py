@@ -208,7 +208,13 @@ class Memory:
 
     def recorded(self, name: str, steps: int) -> np.ndarray:
         """View of a recorded signal over a cycle of `steps` control steps (robots, steps, size)."""
+        return self.columns(self["record"][:, :steps])[name]
+
+    def columns(self, record: np.ndarray) -> dict[str, np.ndarray]:
+        """Views of the signals in a record (..., columns)."""
         widths = [getattr(self.layout, size) for size in COLUMNS.values()]
-        at = list(COLUMNS).index(name)
-        start = sum(widths[:at])
-        return self["record"][:, :steps, start : start + widths[at]]
+        ends = accumulate(widths)
+        return {
+            name: record[..., end - width : end]
+            for name, width, end in zip(COLUMNS, widths, ends, strict=True)
+        }

@@ -8,6 +8,7 @@ from ..plan.plan import Plan
 from ..results.metrics import TRACKING
 from ..results.motions import MotionOfRun
 from ..robots.touching import PASSING, touching
+from ..springs.fit import LinearSprings
 from ..status import Status
 from ..text import Caution, angle, joined, length, percent
 
@@ -38,10 +39,18 @@ class LastCycle(NamedTuple):
     """Joint angles (N, n) [rad]."""
     tau: np.ndarray
     """Motor torque (N, n) [N m]."""
-    total: np.ndarray
-    """With the springs' torque (N, n) [N m]."""
-    center: np.ndarray
-    """Of the springs (n,) [rad]."""
+    springs: LinearSprings
+    """That acted, at each step."""
+
+    @property
+    def total(self) -> np.ndarray:
+        """Torque of motors and springs (N, n) [N m]."""
+        return self.tau + self.springs.torque(self.q)
+
+    @property
+    def center(self) -> np.ndarray:
+        """Of the springs (n,) [rad]."""
+        return self.springs.center
 
 
 class Hindrance(NamedTuple):

@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import ExperimentError
 from ..laws import controller, learning, listening
 from ..laws.laws import at_limit, listens
-from ..laws.memory import COLUMNS, Memory
+from ..laws.memory import Memory
 from ..laws.tuning import Tuning
 from ..plan.plan import Plan
 from ..results import schema
@@ -197,9 +197,10 @@ class Member:
         return LinearSprings(k, offset, center, self._others)
 
     def _signals(self, steps: int) -> dict[str, np.ndarray]:
-        """Views of what the last cycle's control steps recorded, and of what was desired."""
-        found = {name: self._memory.recorded(name, steps)[self._index] for name in COLUMNS}
-        return found | {"x_desired": self._memory["x_desired"][self._index, :steps]}
+        """A copy of what the last cycle's control steps recorded, and what was desired."""
+        memory, index = self._memory, self._index
+        recorded = memory.columns(memory["record"][index, :steps].copy())
+        return recorded | {"x_desired": memory["x_desired"][index, :steps]}
 
     def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
         """Replace the learned torque of a cycle by that of the next; short passages teach none."""

@@ -80,8 +80,8 @@ class Recording:
             parameters = self._cycles["parameters_per_cycle"][cycle - 1]
             others = Elements(self._robot.elements, parameters)
             own = mine["stiffness"].values, mine["offset"].values
-            total = tau + LinearSprings(*own, center[0], others).torque(q)
-            self.last[int(self._segment[cycle - 1])] = LastCycle(q, tau, total, center[0])
+            acting = LinearSprings(*own, center[0], others)
+            self.last[int(self._segment[cycle - 1])] = LastCycle(q, tau, acting)
 
     def diverges(self) -> str:
         """Why the last cycle shows that the run diverges; empty if it does not.
@@ -136,11 +136,8 @@ class Recording:
         )
         found["singular_value"][cycle] = np.linalg.svd(J, compute_uv=False)[:, -1].min()
         own = signals["stiffness"], signals["offset"]
-        acting = LinearSprings(*own, springs.center, springs.others)
-        total = tau + acting.torque(q)
-        self.last[int(self._segment[cycle])] = LastCycle(
-            q.copy(), tau.copy(), total, springs.center.copy()
-        )
+        acting = LinearSprings(*own, springs.center.copy(), springs.others)
+        self.last[int(self._segment[cycle])] = LastCycle(q, tau, acting)
         for name, value in zip(PER_CYCLE, (*springs, springs.others.parameters), strict=True):
             found[f"{name}_per_cycle"][cycle] = value
         self._done += 1

@@ -1,5 +1,6 @@
 """The optimum: the best constant springs for a joint motion, (2), (3), and what they leave over."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,8 +92,6 @@ class Optimum:
         Returns:
             Least and greatest [N m/rad]; the bounds of one that makes no difference.
         """
-        from scipy.optimize import brentq  # takes longer to import than a whole plan
-
         mean = self.q.mean(axis=0)
         low, high = reach(self.bounds, mean)
         others = self.springs.others
@@ -104,25 +103,33 @@ class Optimum:
         most = (self.torque**2).mean(axis=0) + allowed
         bounds = [np.broadcast_to(end, level.shape) for end in self.bounds.stiffness]
         ends = np.stack(bounds, axis=1)
-        for j in np.flatnonzero((z**2).mean(axis=0) > STILL):
+        squared, both, alone = (z**2).mean(axis=0), (z * rest).mean(axis=0), (rest**2).mean(axis=0)
+        for j in np.flatnonzero(squared > STILL):
 
             def beyond(k: float, j: int = int(j)) -> float:
                 """How far torque² is above the most with a stiffness and its best offset."""
                 bounded = np.isfinite(low[j]) and np.isfinite(high[j])
                 reachable = (k * low[j], k * high[j]) if bounded else (-np.inf, np.inf)
-                miss = np.clip(level[j], *reachable) - level[j]
-                return float(((rest[:, j] + k * z[:, j]) ** 2).mean() + miss**2 - most[j])
+                miss = min(max(level[j], reachable[0]), reachable[1]) - level[j]
+                return float(squared[j] * k**2 + 2 * both[j] * k + alone[j] + miss**2 - most[j])
 
             # It exceeds that of the best k* by var(q) (k - k*)² at least.
-            best, furthest = self.stiffness[j], np.sqrt(allowed / (z[:, j] ** 2).mean())
+            best, furthest = self.stiffness[j], np.sqrt(allowed / squared[j])
             for side, bound in enumerate(ends[j]):
                 end = bound
                 if abs(bound - best) > furthest:
                     end = best + (2 * side - 1) * 1.001 * furthest
                 if beyond(end) > 0:
-                    # That of the best is at most, but for rounding.
-                    ends[j, side] = brentq(beyond, best, end) if beyond(best) < 0 else best
+                    ends[j, side] = _crossing(beyond, best, end)
         return ends
+
+
+def _crossing(beyond: Callable[[float], float], inside: float, outside: float) -> float:
+    """Where an increasing function passes zero between two points, to rounding."""
+    for _ in range(60):
+        middle = (inside + outside) / 2
+        inside, outside = (inside, middle) if beyond(middle) > 0 else (middle, outside)
+    return inside
 
 
 def best_springs(
