@@ -3,7 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check format benchmark gallery clean
+.PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check dist audit format benchmark gallery \
+  clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, eight seconds"
@@ -40,6 +41,15 @@ check: $(VENV)/installed-dev   ## format, lint, types, import order
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+dist: $(VENV)/installed-dev   ## source archive, wheel and their digests, in dist/
+	rm -rf dist
+	$(BIN)/python -m hatchling build
+	cd dist && sha256sum *.whl *.tar.gz > SHA256SUMS && cat SHA256SUMS
+
+audit: $(VENV)/installed-dev   ## known holes of what is installed; asks the public advisory database
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check pip-audit
+	$(BIN)/python -m pip_audit --skip-editable
+
 format: $(VENV)/installed-dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
@@ -52,7 +62,7 @@ gallery: $(VENV)/installed   ## film the README's looping picture again
 	$(BIN)/resonance-mj render runs/seven-joint -o docs/motion.webp --from 1c --to 8c --speed 2 --fps 15 --size 880x495
 
 clean:
-	rm -rf build $(VENV) .venv-oldest .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	rm -rf build dist $(VENV) .venv-oldest .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

@@ -18,7 +18,7 @@ PRETEND = """
 import ctypes, json, os, signal, sys
 import h5netcdf, h5py, imageio_ffmpeg, matplotlib.pyplot, mujoco, numba, scipy.optimize
 import scipy.interpolate, scipy.linalg, scipy.stats, xarray, rich.progress, pydantic, tomlkit
-import platformdirs, concurrent.futures.process, subprocess, tempfile
+import platformdirs, concurrent.futures.process, shutil, subprocess, tempfile
 SYSTEM = sys.argv[1]
 for name in ("fork", "posix_spawn", "killpg"):
     vars(os).pop(name, None)
@@ -32,6 +32,7 @@ if SYSTEM == "win32":
         sys.modules.pop(name, None)
     for name in ("geteuid", "getuid", "chown", "O_NONBLOCK", "O_NOFOLLOW", "mkfifo", "fchmod"):
         vars(os).pop(name, None)
+    shutil._use_fd_functions = False
     for name in ("SIGHUP", "SIGKILL"):
         vars(signal).pop(name, None)
     whole = ctypes.CDLL.__init__
