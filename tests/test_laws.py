@@ -225,3 +225,28 @@ def test_the_process_keeps_the_modules_that_it_had(tmp_path, monkeypatch):
 def test_a_missing_law_is_named(tmp_path):
     with pytest.raises(rmj.ResonanceError, match=r"law.kind = 'no.py': does not exist"):
         rmj.simulate(for_robot("two_link.xml").replace({"law.kind": "no.py"}))
+
+
+def test_only_what_simulates_executes_a_law_s_file_and_says_so_first(tmp_path, capsys):
+    """A stranger's run is opened, drawn, judged and reported without its code."""
+    from resonance_mj import cli
+
+    mine, traces = tmp_path / "mine.py", tmp_path / "traces"
+    mine.write_text(
+        f"open({str(traces)!r}, 'a').write('executed ')\n"
+        "def learn(u, y, q, stiffness, offset, center):\n"
+        "    return u, stiffness, offset, center\n"
+    )
+    folder = tmp_path / "run"
+    keys = ["--robot", "two_link.xml", "--law.kind", str(mine), "--motion.0.duration", "3"]
+    cli.main(["run", *keys, "--out", str(folder)])
+    assert traces.read_text() == "executed "
+    assert "executes the code of" in " ".join(capsys.readouterr().err.split())
+    traces.unlink()
+    for command in (["plot", str(folder)], ["certify", str(folder)], ["springs", str(folder)],
+                    ["report", str(folder), "--no-video"], ["optimum", *keys]):  # fmt: skip
+        assert cli.main(command) == 0
+    run = rmj.Run.load(folder)
+    assert run.plan.law.file == str(mine)
+    rmj.optimum(run.experiment)
+    assert not traces.exists()

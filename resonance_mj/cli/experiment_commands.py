@@ -234,9 +234,13 @@ def check(options: Namespace) -> int:
     experiments = [cases.read(path, options.changes) for path in files]
     from ..evaluation.checks import convergence
     from ..evaluation.checks.check import judge
+    from ..laws import laws
     from . import tables
 
     screen = Screen(options)
+    for kind in dict.fromkeys(experiment.law.kind for experiment in experiments):
+        for line in laws.load(kind).said:
+            screen.note(line)
     with bar("experiments", "cycles", screen.console) as show:
         runs = rmj.simulate_many(experiments, progress=show)
     judgements = [judge(run) for run in runs]

@@ -33,19 +33,30 @@ _executing = threading.Lock()
 """Held while a law's file is executed: modules are the whole process's."""
 
 
-def load(file: str) -> tuple[Command, Learn | None]:
+def source_of(file: str) -> str:
+    """The text of a law's file, of which nothing is executed.
+
+    Raises:
+        ExperimentError: there is no such file.
+    """
+    needed = f"give {', '.join(KINDS)}, or the path of a Python file with a function `command` or "
+    return read_text(file, f"law.kind = {file!r}", f"{needed}`learn`")
+
+
+def load(file: str, source: str) -> tuple[Command, Learn | None]:
     """Execute a law's file: each time anew, so that an edit counts.
+
+    Args:
+        file: its path.
+        source: its text.
 
     Returns:
         The control step's part that sets y and τ, the transfer law's where the file has none; and
         what happens between two cycles, or None.
 
     Raises:
-        ExperimentError: there is no such file, it cannot be executed, or its functions are not of
-            the documented shape.
+        ExperimentError: it cannot be executed, or its functions are not of the documented shape.
     """
-    needed = f"give {', '.join(KINDS)}, or the path of a Python file with a function `command` or "
-    source = read_text(file, f"law.kind = {file!r}", f"{needed}`learn`")
     module = _executed(Path(file), source)
     command, learn = (getattr(module, name, None) for name in ("command", "learn"))
     if command is None and learn is None:

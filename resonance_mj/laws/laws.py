@@ -1,7 +1,9 @@
 """The laws that an experiment can name: what each does at a step, learns from a cycle, is told."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -23,31 +25,52 @@ class Law:
     """A law is two functions: what it does at each step, and what it learns between cycles.
 
     Attributes:
-        command: at each step, sets y and the motors' torque τ.
-        learn: after each cycle that is not a passage, sets the next cycle's torque and springs.
+        functions: gives the two, `command` and `learn`.
         listens: whether, before it learns, it looks for noise and delay in its loop and tunes what
             is not given to them.
         adapts: gains of (6) and (7) that act at each step; the springs are constant without them.
         told: what it is given as a motion begins and the other laws do not know.
+        file: of a user's law, whose code is executed with it.
     """
 
-    command: Command
-    learn: Learn
+    functions: Callable[[], tuple[Command, Learn]]
     adapts: tuple[str, ...] = ()
     told: tuple[str, ...] = ()
     listens: bool = False
+    file: str = ""
+
+    @property
+    def command(self) -> Command:
+        """At each step, sets y and the motors' torque τ."""
+        return self.functions()[0]
+
+    @property
+    def learn(self) -> Learn:
+        """After each cycle that is not a passage, sets the next one's torque and springs."""
+        return self.functions()[1]
+
+    @property
+    def said(self) -> list[str]:
+        """That it is code, in a line."""
+        return [f"law.kind: a run of it executes the code of {self.file}"] if self.file else []
 
 
 def load(kind: str) -> Law:
-    """The law that `law.kind` names.
+    """The law that `law.kind` names; a user's file is executed when a function is asked for.
 
     Raises:
-        ExperimentError: it is a file that does not hold a law.
+        ExperimentError: it is no file that can be read, or, when it is executed, holds no law.
     """
     if kind in LAWS:
         return LAWS[kind]
-    command, learn = custom_law.load(kind)
-    return Law(command, learn or spring_transfer, adapts=("gamma_k", "gamma_qe"))
+    source = custom_law.source_of(kind)
+
+    @cache
+    def functions() -> tuple[Command, Learn]:
+        command, learn = custom_law.load(kind, source)
+        return command, learn or spring_transfer
+
+    return Law(functions, adapts=("gamma_k", "gamma_qe"), file=kind)
 
 
 def listens(law: law_section.Law) -> bool:
@@ -120,13 +143,18 @@ def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
 # Along the desired joint angles, as in [4] (Sec. IV-C).
 _in_joint_space = partial(as_printed, q="q_desired")
 
+
+def _law(command: Command, learn: Learn, **more: Any) -> Law:
+    return Law(lambda: (command, learn), **more)
+
+
 LAWS: dict[str, Law] = {
-    "feedback": Law(standard, nothing),
-    "learning": Law(standard, all_torque),
-    "fixed": Law(standard, all_torque, told=("springs",)),
-    "joint-space": Law(joint_space, _in_joint_space, adapts=("gamma_k",), told=("joints",)),
-    "paper": Law(standard, as_printed, adapts=("gamma_k", "gamma_qe")),
-    "transfer": Law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe"), listens=True),
-    "computed-torque": Law(joint_space, nothing, told=("joints", "springs", "torque")),
+    "feedback": _law(standard, nothing),
+    "learning": _law(standard, all_torque),
+    "fixed": _law(standard, all_torque, told=("springs",)),
+    "joint-space": _law(joint_space, _in_joint_space, adapts=("gamma_k",), told=("joints",)),
+    "paper": _law(standard, as_printed, adapts=("gamma_k", "gamma_qe")),
+    "transfer": _law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe"), listens=True),
+    "computed-torque": _law(joint_space, nothing, told=("joints", "springs", "torque")),
 }
 """The laws that come with the program; `law_section.KINDS` has their names."""

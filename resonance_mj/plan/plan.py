@@ -246,7 +246,7 @@ def plan_for(
     law = laws.load(experiment.law.kind)
     robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
     unloaded = Kinematics(robot)
-    said = list(robot.notes)
+    said = [*robot.notes, *law.said]
     experiment = adapting(experiment, law, robot, said)
     with heard() as warned:
         chosen = gains(experiment, unloaded)
