@@ -232,21 +232,19 @@ def test_only_what_simulates_executes_a_law_s_file_and_says_so_first(tmp_path, c
     from resonance_mj import cli
 
     mine, traces = tmp_path / "mine.py", tmp_path / "traces"
-    mine.write_text(
-        f"open({str(traces)!r}, 'a').write('executed ')\n"
-        "def learn(u, y, q, stiffness, offset, center):\n"
-        "    return u, stiffness, offset, center\n"
-    )
+    trace = f"with open({str(traces)!r}, 'a') as file:\n    file.write('executed ')\n"
+    mine.write_text(trace + PD)
     folder = tmp_path / "run"
-    keys = ["--robot", "two_link.xml", "--law.kind", str(mine), "--motion.0.duration", "3"]
+    keys = ["--robot", "two_link.xml", "--law.kind", str(mine), "--motion.0.duration", "10"]
+    keys += ["--law.parameters", "2000,200", "--motion.0.size", "0.05,0.05"]
     cli.main(["run", *keys, "--out", str(folder)])
     assert traces.read_text() == "executed "
-    assert "executes the code of" in " ".join(capsys.readouterr().err.split())
+    assert "executes the code of" in " ".join(capsys.readouterr().out.split())
     traces.unlink()
     for command in (["plot", str(folder)], ["certify", str(folder)], ["springs", str(folder)],
                     ["report", str(folder), "--no-video"], ["optimum", *keys]):  # fmt: skip
         assert cli.main(command) == 0
     run = rmj.Run.load(folder)
-    assert run.plan.law.file == str(mine)
+    assert Path(run.plan.law.file).parent.parent == folder  # a copy travels with the run
     rmj.optimum(run.experiment)
     assert not traces.exists()
