@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from resonance_mj.callback import machine_code
+import resonance_mj as rmj
+from resonance_mj.callback import callback, machine_code
 
 TEXT = "define i32 @answer() {\n  ret i32 42\n}\ndeclare void @never_called_and_nowhere()\n"
 
@@ -129,3 +130,18 @@ def test_a_run_with_its_law_on_disk_imports_no_compiler():
         for _ in range(2)
     ]
     assert said[1].stdout.strip() == "False"
+
+
+def test_the_law_allocates_nothing_so_that_it_runs_from_disk_without_numba(monkeypatch):
+    """What allocates calls Numba's runtime, which a process that loads machine code has not."""
+    needed = []
+    define = machine_code._define_missing
+    monkeypatch.setattr(
+        machine_code, "_define_missing", lambda names: (needed.extend(names), define(names))
+    )
+    monkeypatch.setattr(callback, "_ready", {})
+    paper = rmj.load("paper")
+    short = [paper.motion[0].model_dump(exclude_none=True) | {"duration": 1.0}]
+    rmj.simulate(paper.replace({"motion": short, "expect": {}}))
+    assert "mj_jacSite" in needed
+    assert [name for name in needed if name.startswith("NRT_MemInfo") and "new" in name] == []

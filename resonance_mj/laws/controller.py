@@ -254,6 +254,13 @@ def hold(qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
         ctrl: mjData.ctrl, written.
         forces: mjData.qfrc_bias and mjData.qfrc_passive, written.
     """
-    for array in (qvel, ctrl, *forces):
-        for i in range(array.size):
-            array[i] = 0.0
+    _clear(qvel)
+    _clear(ctrl)
+    for force in forces:
+        _clear(force)
+
+
+@step_function
+def _clear(array: np.ndarray) -> None:
+    for i in range(array.size):
+        array[i] = 0.0
