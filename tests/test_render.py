@@ -271,6 +271,7 @@ def test_a_thinned_run_says_which_cycles_are_whole_and_is_filmed_without_the_oth
     assert len(frame_data.times((run,), 0.0, 8.0, 0.1, given=False)) == 10 * len(kept)
 
 
+@pytest.mark.opengl
 def test_an_unknown_camera_is_refused_with_those_that_exist(folder, tmp_path):
     done = command(folder, "-o", tmp_path / "o.mp4", "--to", "0.1", "--camera", "nowhere")
     assert (done.returncode, list(tmp_path.iterdir())) == (2, [])

@@ -36,7 +36,10 @@ def browser():
     if found is None:
         pytest.skip(f"no browser to open reports in: none of {', '.join(BROWSERS)} is on the PATH")
     with sync_api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        software = ["--enable-unsafe-swiftshader", "--use-angle=swiftshader"]
+        chromium = playwright.chromium.launch(
+            executable_path=found, args=["--no-sandbox", *software]
+        )
         yield chromium
         chromium.close()
 
@@ -153,6 +156,86 @@ def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, which, width, re
         opened.page.click(".scenes button:last-child")
         begins = float(opened.page.get_attribute(".scenes button:last-child", "data-at"))
         assert opened(f"{shown}.currentTime") == pytest.approx(begins, abs=0.05)
+
+
+SCENE = "document.querySelector('#scene')"
+DRAWN = f"+({SCENE}.querySelector('canvas').dataset.drawn || 0)"
+
+
+@pytest.fixture(params=[PHONE, DESK])
+def scene(request, browser, single):
+    """A report whose scene has been drawn."""
+    with Opened(browser, single, request.param) as opened:
+        opened(f"{SCENE}.scrollIntoView()")
+        opened.until(f"{DRAWN} > 0 || {SCENE}.querySelector('.failed')")
+        if said := opened(f"{SCENE}.querySelector('.failure').textContent"):
+            pytest.skip(said)
+        yield opened
+
+
+def test_the_scene_plays_is_scrubbed_and_is_turned(scene):
+    slider, button = f"{SCENE}.querySelector('input')", "#scene button.play"
+    scene.until(f"{DRAWN} > 3")
+    scene.page.click(button)
+    assert scene.page.text_content(button) == "Play"
+    still = scene(f"{slider}.value")
+    scene.page.wait_for_timeout(200)
+    assert scene(f"{slider}.value") == still
+    picture = scene.page.locator("#scene canvas")
+    before = picture.screenshot()
+    box = picture.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    scene.page.mouse.move(*middle)
+    scene.page.mouse.down()
+    scene.page.mouse.move(middle[0] + 60, middle[1] + 10, steps=3)
+    scene.page.mouse.up()
+    scene.page.wait_for_timeout(500)
+    assert picture.screenshot() != before
+    scene(f"{{ const s = {slider}; s.value = s.max; s.dispatchEvent(new Event('input')); }}")
+    assert "cycle 10" in scene.page.text_content("#scene output")
+    scene.page.click("#scene .goto button:first-of-type")
+    assert scene.page.text_content("#scene output").startswith("0.00 s")
+    assert scene.said == []
+
+
+def test_the_figures_have_a_cursor_at_the_scene_s_moment_and_go_to_where_one_clicks(scene):
+    slider = f"{SCENE}.querySelector('input')"
+    panels = scene("JSON.parse(document.querySelector('svg[data-time]').dataset.time)")
+    run = f"{{ const s = {slider}; s.value = 0.25 * s.max; s.dispatchEvent(new Event('input')); }}"
+    scene(run)
+    time_shown = float(scene.page.text_content("#scene output").split(" ")[0])
+    lines = scene(
+        "[...document.querySelector('svg[data-time]').querySelectorAll('line.cursor')].map(line =>"
+        " [line.getAttribute('visibility'), +line.getAttribute('x1')])"
+    )
+    for (begin, end, left, right, *_), (visibility, x) in zip(panels, lines, strict=True):
+        inside = begin <= time_shown <= end
+        assert visibility == ("visible" if inside else "hidden")
+        if inside:
+            wanted = left + (time_shown - begin) / (end - begin) * (right - left)
+            assert x == pytest.approx(wanted, abs=0.5)
+    svg = scene.page.locator("svg[data-time]").first
+    svg.scroll_into_view_if_needed()
+    box, (begin, end, left, right, top, bottom) = svg.bounding_box(), panels[-1]
+    view = [float(part) for part in svg.get_attribute("viewBox").split()]
+    scale = box["width"] / view[2]
+    middle = box["x"] + scale * (left + right) / 2, box["y"] + scale * (top + bottom) / 2
+    scene.page.mouse.click(*middle)
+    shown = float(scene.page.text_content("#scene output").split(" ")[0])
+    # Frames are a second apart here.
+    assert shown == pytest.approx((begin + end) / 2, abs=1.0)
+
+
+def test_without_webgl_the_page_says_so_and_is_whole_else(browser, single):
+    found = next(filter(None, map(shutil.which, BROWSERS)))
+    blind = browser.browser_type.launch(
+        executable_path=found, args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    )
+    with Opened(blind, single) as opened:
+        opened.until(f"{SCENE}.querySelector('.failed')")
+        assert "no WebGL" in opened.page.text_content("#scene .failure")
+        assert opened("document.querySelectorAll('.drawing svg').length") == 2
+    blind.close()
 
 
 @pytest.mark.parametrize("width", [PHONE, DESK])

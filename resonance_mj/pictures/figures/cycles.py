@@ -15,6 +15,7 @@ from ..palette import DESIRED, MUTED, OPTIMAL
 from .sheet import Row, Sheet, fitting, heading
 from .style import BAND, LABEL_BOX, LINES, SMALL, Line, remark
 from .ticks import breadth, counted, logarithmic
+from .time_axes import Piece, timed
 
 REACHED: Line = {"color": OPTIMAL, "marker": "D", "mfc": "white", "ms": 4, "linestyle": ""}
 LEGEND: dict[str, Line] = {
@@ -51,7 +52,7 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
     The abscissa is set to all cycles of the experiment; `named` writes the motions' numbers at
     the top.
     """
-    first = 0
+    first, begin, pieces = 0, 0.0, []
     for number, motion in enumerate(experiment.motion, start=1):
         if first:
             ax.axvline(first + 0.5, color=MUTED, linewidth=0.8)
@@ -62,8 +63,11 @@ def motions(ax: Axes, experiment: Experiment, *, named: bool = False) -> None:
         if named:
             middle, across = (first + 0.5 + motion.cycles / 2, 0.98), ("data", "axes fraction")
             remark(ax, f"motion {number}", middle, xycoords=across, ha="center", va="top")
-        first += motion.cycles
+        ends = first + 0.5, first + motion.cycles + 0.5
+        pieces.append(Piece(begin, begin + motion.duration, *ends))
+        first, begin = first + motion.cycles, begin + motion.duration
     ax.set_xlim(0.5, first + 0.5)
+    timed(ax, pieces)
     counted(ax)
 
 

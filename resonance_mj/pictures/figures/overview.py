@@ -14,6 +14,7 @@ from .cycles import torque_squared
 from .sheet import Row, Sheet, abscissa_of_the_panel_below, fitting, heading, width_of
 from .style import LABEL_BOX, LINES, SMALL, remark
 from .ticks import breadth, even
+from .time_axes import Piece, timed
 
 TITLES = {
     "x": ("tool position {} [m]", "tool {} [m]", "{} [m]"),
@@ -99,6 +100,7 @@ def _against_optimum(ax: Axes, run: Run, name: str, joint: int) -> None:
     ax.hlines(best[:, joint], starts, ends, **LINES["with optimal springs"])
     ax.set_xlim(0, ends[-1])
     ax.set_xlabel("time [s]")
+    timed(ax, [Piece(0.0, ends[-1], 0.0, ends[-1])])
 
 
 def _steady_limits(ax: Axes, run: Run, joint: int, unit: str) -> None:
@@ -165,3 +167,5 @@ class Windows:
         ax.set_xticks([*ticks], [*ticks.values()])
         ax.set_xlim(0, end)
         ax.set_xlabel("time [s]")
+        shown = zip(self._spans, self._left, strict=False)
+        timed(ax, [Piece(low, high, left, left + high - low) for (low, high), left in shown])

@@ -50,6 +50,9 @@ class Overlays:
     Args:
         arm: in the pose of the first frame.
         camera: as it is at the first frame.
+
+    Attributes:
+        joints: where each joint's spring is drawn.
     """
 
     def __init__(self, arm: RenderModel, camera: mujoco.MjvCamera) -> None:
@@ -58,7 +61,7 @@ class Overlays:
         self._other_pose = mujoco.MjData(model)
         self._tool = lru_cache(4 * RINGS["trail"])(self._tool_at)
         self._size, eye = size(anchors), arm.eye(camera)
-        self._joints = [self._placed(i, anchors[k + 1], eye) for k, i in enumerate(arm.ids)]
+        self.joints = [self._placed(i, anchors[k + 1], eye) for k, i in enumerate(arm.ids)]
         self._path, self._path_cycle = np.empty(0), -1
         self._dt = float(np.diff(arm.shown.time).min())
         names = ((s, model.skin(s).name) for s in range(model.nskin))
@@ -88,7 +91,7 @@ class Overlays:
             self._draw_trail(sample, eye)
         to_equilibrium = shown.equilibrium(sample) - shown.q[sample]
         shares = shown.spring(sample) / scales.torque
-        for j, joint in enumerate(self._joints):
+        for j, joint in enumerate(self.joints):
             link = arm.data.xmat[joint.body].reshape(3, 3) @ joint.link
             place = arm.data.xanchor[joint.id], arm.data.xaxis[joint.id], link
             if options.springs:
@@ -144,7 +147,7 @@ class Overlays:
         self, j: int, place: Place, stiffness: float, to_equilibrium: float, torque: float
     ) -> None:
         """Draw a spring; stiffness and torque are shares of their scales."""
-        (anchor, axis, link), joint, size = place, self._joints[j], self._size
+        (anchor, axis, link), joint, size = place, self.joints[j], self._size
         share = min(abs(stiffness), 1.0)
         if share < WEAK:
             return
@@ -173,7 +176,7 @@ class Overlays:
 
     def _draw_motor(self, j: int, place: Place, torque: float) -> None:
         """Draw a motor's torque, a share of its scale."""
-        (anchor, axis, link), joint, size = place, self._joints[j], self._size
+        (anchor, axis, link), joint, size = place, self.joints[j], self._size
         share = float(np.clip(torque, -1.0, 1.0))
         if abs(share) < WEAK:
             return

@@ -16,7 +16,9 @@ from ...evaluation.checks import convergence
 from ...results.run import Run, finite, versions
 from ..figures.catalogue import KINDS, Entry
 from ..figures.style import STYLE, styled
+from ..figures.time_axes import times
 from .content import best
+from .scene import BUNDLE
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -31,7 +33,7 @@ def html(**page: Any) -> str:
     Args:
         page: what the template shows: `title`; `contents` of each run; `shared`, the figures that
             show all runs; `differences` between the runs' experiments; `film` or None, and
-            `film_note`, why there is none or what it leaves out.
+            `film_note`, why there is none or what it leaves out; `scene` or None.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -55,6 +57,7 @@ def html(**page: Any) -> str:
         page=page,
         best=best,
         asset=lambda name: Markup((TEMPLATES / name).read_text(encoding="utf-8")),
+        bundle=Markup(BUNDLE.read_text(encoding="utf-8")),
         version=versions()["resonance-mj"],
     )
 
@@ -74,7 +77,10 @@ def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
     body = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", body, flags=re.DOTALL)
     body = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", body)
     body = body.replace(" \n", "\n")
-    return Markup(f'<svg {view[0]} role="img" aria-label="{escape(entry.title)}">{body}')
+    label = f'role="img" aria-label="{escape(entry.title)}"'
+    if moments := times(drawn):
+        label += f' data-time="{escape(json.dumps(moments))}"'
+    return Markup(f"<svg {view[0]} {label}>{body}")
 
 
 def _data(written: Callable[..., str]) -> Callable[..., Markup]:

@@ -14,6 +14,7 @@ from ..figures.catalogue import Entry
 from . import film as films
 from .content import Content, Figures, differences
 from .page import html, inline
+from .scene import Shown, scene
 
 Progress = Callable[[int, int], None]
 Given = Run | str | os.PathLike[str]
@@ -77,6 +78,7 @@ def report(
     film, said = None, ""
     if video:
         film, said, frames = _filmed(runs, names, lambda done, of: progress(done, of + figures))
+    turned = _scene(runs, names, note) if alone else None
     done = count(frames + 1)
 
     def drawn(entries: Sequence[Entry], some: Sequence[Run], anchor: str) -> Figures:
@@ -100,6 +102,7 @@ def report(
         differences={} if alone else differences(runs),
         film=film,
         film_note=said,
+        scene=turned,
     )
     if note and said:
         note(said)
@@ -107,6 +110,16 @@ def report(
     with replacing(path) as beside:
         beside.write_text(shown, encoding="utf-8")
     return path
+
+
+def _scene(
+    runs: Sequence[Run], names: Sequence[str], note: Callable[[str], None] | None
+) -> Shown | None:
+    """A run as a scene to turn; None where it has no samples, or its arm's file is gone."""
+    try:
+        return scene(films.plan(runs, names), note or (lambda line: None))
+    except (PictureError, RobotError):
+        return None
 
 
 def _filmed(

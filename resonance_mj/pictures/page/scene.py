@@ -15,10 +15,10 @@ import numpy as np
 from ...results.run import Run
 from ..film import frame_data
 from ..film.options import RenderOptions
-from ..film.overlays import Overlays
+from ..film.overlays import TRAIL, Overlays
 from ..film.render_model import RenderModel
-from ..film.surroundings import NOTHING, PREFIX, SHOWN, prepare
-from .film import Film, Scene
+from ..film.surroundings import NOTHING, SHOWN, prepare, size
+from . import film
 
 BUNDLE = Path(__file__).parent / "scene" / "bundle.js"
 """Script that draws a scene: esbuild's of scene.js and three.js, see scene/package.json."""
@@ -42,13 +42,14 @@ SHAPES = {
 
 
 class Shown(NamedTuple):
-    """A scene as the page's script reads it, and the spans of the run that it shows."""
+    """A scene as the page's script reads it."""
 
     text: str
-    spans: tuple[Scene, ...]
+    spans: list[tuple[float, float, int]]
+    """Start and stop of each span of the run that it shows [s], and its first frame."""
 
 
-def scene(planned: Film, note: Callable[[str], None]) -> Shown:
+def scene(planned: film.Film, note: Callable[[str], None]) -> Shown:
     """The scene of the first run of a film, at the film's frames.
 
     Raises:
@@ -60,6 +61,7 @@ def scene(planned: Film, note: Callable[[str], None]) -> Shown:
     arm = RenderModel(shown, options, model, tool)
     camera = arm.camera(options.size[0] / options.size[1])
     placed, scale = Overlays(arm, camera).joints, frame_data.scale([shown])
+    middle = camera.lookat.copy()
     bodies, meshes = _geometry(model)
     at, moved = shown.sample, sorted(bodies)
     poses, tips = np.empty((len(at), len(moved), 7)), np.empty((len(at), 3))
@@ -70,6 +72,10 @@ def scene(planned: Film, note: Callable[[str], None]) -> Shown:
         tips[frame] = arm.data.site_xpos[arm.site]
     away = np.array([shown.equilibrium(sample) - shown.q[sample] for sample in at])
     paths, path = _paths(run, shown, tips)
+    dt = run.experiment.simulation.timestep
+    first = [int(np.flatnonzero(path == number)[-1]) for number in range(len(paths))]
+    of_path = dt * shown.period[at[first]]
+    spans = [(one.start, one.stop, round(one.at * film.FPS)) for one in planned.scenes]
     joints = [
         {
             "name": name,
@@ -89,9 +95,11 @@ def scene(planned: Film, note: Callable[[str], None]) -> Shown:
         "meshes": meshes,
         "joints": joints,
         "paths": [path.round(5) for path in paths],
-        "size": arm.size,
-        "camera": {"eye": arm.eye(camera), "target": camera.lookat, "fov": _fov(model)},
-        "spans": [[one.start, one.stop, round(one.at * planned.fps)] for one in planned.scenes],
+        "size": size(arm.anchors(arm.data)),
+        "camera": {"eye": arm.eye(camera), "target": middle, "fov": _fov(model)},
+        "spans": spans,
+        "fps": film.FPS,
+        "trail": [float(one) for one in TRAIL * of_path * film.FPS / planned.speed],
         "times": _packed(planned.times),
         "poses": _packed(poses),
         "tool": _packed(tips),
@@ -103,7 +111,7 @@ def scene(planned: Film, note: Callable[[str], None]) -> Shown:
         "error": _packed(np.array([shown.error(sample) for sample in at])),
         "cycle": shown.cycle[at].tolist(),
     }
-    return Shown(json.dumps(found, default=_plain, separators=(",", ":")), tuple(planned.scenes))
+    return Shown(json.dumps(found, default=_plain, separators=(",", ":")), spans)
 
 
 def _geometry(model: mujoco.MjModel) -> tuple[dict[int, list[dict[str, Any]]], list[Any]]:
@@ -113,7 +121,6 @@ def _geometry(model: mujoco.MjModel) -> tuple[dict[int, list[dict[str, Any]]], l
     for geom in range(model.ngeom):
         kind = SHAPES.get(mujoco.mjtGeom(int(model.geom_type[geom])))
         rgba = _colour(model, geom)
-        ours = model.geom(geom).name.startswith(PREFIX)
         if kind is None or rgba[3] <= 0 or model.geom_group[geom] not in SHOWN:
             continue
         one: dict[str, Any] = {
@@ -123,8 +130,6 @@ def _geometry(model: mujoco.MjModel) -> tuple[dict[int, list[dict[str, Any]]], l
             "turn": model.geom_quat[geom],
             "colour": np.round(rgba, 3),
         }
-        if kind == "plane":
-            one["floor"] = bool(ours)
         if kind == "mesh":
             one["mesh"] = used.setdefault(int(model.geom_dataid[geom]), len(used))
         bodies.setdefault(int(model.geom_bodyid[geom]), []).append(one)

@@ -1,9 +1,8 @@
 // The motion of a run as a scene to turn and to scrub, and a cursor at the same time in the figures.
 // Its data are written by ../scene.py; MuJoCo's frame has z upwards, and quaternions (w, x, y, z).
 import {
-  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, CapsuleGeometry, CircleGeometry, Color,
-  CylinderGeometry, DirectionalLight, DoubleSide, Fog, Group, HemisphereLight, Mesh, MeshStandardMaterial,
-  PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, RepeatWrapping, Scene, SphereGeometry, SRGBColorSpace,
+  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, CapsuleGeometry, CircleGeometry, Color,
+  CylinderGeometry, DirectionalLight, DoubleSide, Fog, Group, HemisphereLight, Mesh, MeshLambertMaterial, PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, RepeatWrapping, Scene, SphereGeometry, SRGBColorSpace,
   Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -33,7 +32,7 @@ class Tube {
     for (const name of ["position", "normal"]) {
       geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * rings * SIDES), 3));
     }
-    this.material = new MeshStandardMaterial({ color: colour, roughness: 0.6, side: DoubleSide });
+    this.material = new MeshLambertMaterial({ color: colour, side: DoubleSide });
     this.mesh = new Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
     this.mesh.castShadow = true;
@@ -97,7 +96,7 @@ function checker() {
   const paint = canvas.getContext("2d");
   paint.fillStyle = "#fff";
   paint.fillRect(0, 0, 64, 64);
-  paint.fillStyle = "#eee";
+  paint.fillStyle = "#e6e6e6";
   paint.fillRect(0, 0, 32, 32);
   paint.fillRect(32, 32, 32, 32);
   const texture = new CanvasTexture(canvas);
@@ -147,6 +146,7 @@ function begin(root) {
   const [stiffness, away, spring, motor, error] = ["stiffness", "away", "spring", "motor", "error"].map((name) => floats(data[name]));
   const frames = times.length, many = data.bodies.length, n = data.joints.length, { size } = data;
 
+  if (!document.createElement("canvas").getContext("webgl2")) throw new Error("it has no WebGL 2");
   const renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "low-power" });
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFShadowMap;
@@ -158,7 +158,7 @@ function begin(root) {
   controls.target.copy(target);
   controls.enableDamping = true;
   controls.update();
-  scene.add(new AmbientLight(0xffffff, 0.7), new HemisphereLight(0xffffff, 0x8a8f98, 1.1));
+  scene.add(new HemisphereLight(0xffffff, 0xa4a8b0, 1.9));
   const sun = new DirectionalLight(0xffffff, 1.7);
   sun.position.copy(target).add(new Vector3(-0.7 * far, -1.2 * far, 1.8 * far));
   sun.target.position.copy(target);
@@ -174,15 +174,15 @@ function begin(root) {
     const body = new Group();
     for (const geom of geoms) {
       const [r, g, b, opacity] = geom.colour, flat = geom.kind === "plane";
-      const material = new MeshStandardMaterial({ roughness: 0.75, metalness: 0.05, transparent: opacity < 1, opacity });
+      const material = new MeshLambertMaterial({ transparent: opacity < 1, opacity });
       material.color.setRGB(r, g, b, SRGBColorSpace);
       const one = new Mesh(shape(geom, meshes), material);
-      if (flat) {
+      // A floor has no edge: it ends in the haze.
+      if (flat && new Vector3(0, 0, 1).applyQuaternion(quaternion(geom.turn)).z > 0.99) {
+        const round = new CircleGeometry(10 * far, 48), { uv, position: at } = round.attributes;
+        for (let i = 0; i < uv.count; i++) uv.setXY(i, at.getX(i) / (6 * size), at.getY(i) / (6 * size));
         material.map = checker();
-        const tile = 4 * size, round = new CircleGeometry(12 * far, 64);
-        const uv = round.attributes.uv, at = round.attributes.position;
-        for (let i = 0; i < uv.count; i++) uv.setXY(i, at.getX(i) / tile, at.getY(i) / tile);
-        if (geom.floor) one.geometry = round;
+        one.geometry = round;
         floors.push(material);
       }
       one.position.copy(vector(geom.at));
@@ -210,7 +210,7 @@ function begin(root) {
   const sky = () => {
     const paper = new Color(dark.matches ? "#20242b" : "#e9edf1"), ink = dark.matches ? "#f2f2f2" : "#1a1a1a";
     scene.background = paper;
-    scene.fog = new Fog(paper, 2.5 * far, 9 * far);
+    scene.fog = new Fog(paper, 1.5 * far, 6 * far);
     for (const floor of floors) floor.color.set(dark.matches ? "#3a4048" : "#d3d8de");
     for (const one of [...paths, ...overlays.map(({ mark }) => mark)]) one.material.color.set(ink);
     stale = true;
@@ -337,6 +337,7 @@ function begin(root) {
   fit();
   show(0);
   root.classList.add("ready");
+  document.body.classList.add("timed");
   // Drawn only where it can be seen.
   new IntersectionObserver(([entry]) => renderer.setAnimationLoop(entry.isIntersecting ? tick : null)).observe(canvas);
   play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
