@@ -78,8 +78,8 @@ def shares(name: str, cycles: int) -> dict[str, float]:
 def main() -> int:
     """Measure and print."""
     options = argparse.ArgumentParser()
-    options.add_argument("--cycles", type=int, default=400)
-    options.add_argument("--rounds", type=int, default=5)
+    options.add_argument("--cycles", type=int, default=8000)
+    options.add_argument("--rounds", type=int, default=3)
     given = options.parse_args()
     found = defaultdict(list)
     for _ in track(range(given.rounds), "rounds"):

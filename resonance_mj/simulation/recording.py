@@ -17,9 +17,13 @@ from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
 from .ending import Hindrance, LastCycle
+from .thinning import kept_cycles
 
 POSES = 8
 """Poses of a cycle at which its distance from singular poses is measured."""
+
+TOGETHER = 64
+"""Cycles whose poses are measured in one go, which takes a third of the time."""
 
 HARDER, GROWN = 3.0, 10.0
 """Multiples of torque² without springs, and of the lowest before, above which a run diverges."""
@@ -41,7 +45,7 @@ class Recording:
         self._plan, self._robot = plan, plan.robot
         self._dt = plan.experiment.simulation.timestep
         self._segment = np.array(plan.schedule)
-        self._kept = _kept(plan)
+        self._kept = kept_cycles(plan)
         parameters = len(names(plan.robot.elements))
         self._width = {"joint": plan.robot.n, "axis": plan.robot.m, "parameter": parameters}
         # Made at once, and touched: it does not grow. What diverges keeps part of a cycle more.
@@ -61,6 +65,7 @@ class Recording:
         self.last: dict[int, LastCycle] = {}
         """Of each motion, by its number from 0, the last whole cycle."""
         self._lowest = np.inf
+        self._poses: list[np.ndarray] = []
         self.hardest = ""
         """The joint whose motor worked hardest in the last whole cycle."""
 
@@ -131,16 +136,26 @@ class Recording:
         found["tracking_rms"][cycle] = _rms(miss[:, :positions])
         if robot.rotates:
             found["rotation_rms"][cycle] = _rms(miss[:, positions:])
-        J = np.array(
-            [self._plan.kinematics.jacobian(some) for some in q[:: max(1, steps // POSES)]]
-        )
-        found["singular_value"][cycle] = np.linalg.svd(J, compute_uv=False)[:, -1].min()
+        self._poses.append(q[:: max(1, steps // POSES)])
         own = signals["stiffness"], signals["offset"]
         acting = LinearSprings(*own, springs.center.copy(), springs.others)
         self.last[int(self._segment[cycle])] = LastCycle(q, tau, acting)
         for name, value in zip(PER_CYCLE, (*springs, springs.others.parameters), strict=True):
             found[f"{name}_per_cycle"][cycle] = value
         self._done += 1
+        if len(self._poses) == TOGETHER:
+            self._measure_poses()
+
+    def _measure_poses(self) -> None:
+        """Least singular value of J in each cycle of which the poses are not measured yet."""
+        if not self._poses:
+            return
+        J = [self._plan.kinematics.jacobian(q) for q in np.concatenate(self._poses)]
+        least = np.linalg.svd(np.array(J), compute_uv=False)[:, -1]
+        begins = np.cumsum([0, *map(len, self._poses)])[:-1]
+        first = self._done - len(self._poses)
+        self._cycles["singular_value"][first : self._done] = np.minimum.reduceat(least, begins)
+        self._poses.clear()
 
     def optima(
         self, size: np.ndarray, hindered: Mapping[int, Sequence[Hindrance]]
@@ -203,6 +218,7 @@ class Recording:
             q: joint angles after the last time step (n,) [rad].
             dq: their velocity (n,) [rad/s].
         """
+        self._measure_poses()
         plan, robot, size = self._plan, self._robot, _sizes(self._plan)
         optima, made = self.optima(size, hindered)
         cycles = self._done
@@ -259,27 +275,6 @@ class Recording:
             units={"y": "m^2/s"} if transposed else None,
             thinned=len(self._kept) < len(self._segment),
         )
-
-
-def _kept(plan: Plan) -> set[int]:
-    """Cycles whose samples are kept: all, or pairs in a row over each motion with both ends.
-
-    What is learned from a cycle shows in the next.
-    """
-    motions, budget = plan.experiment.motion, plan.experiment.simulation.samples
-    total = sum(motion.cycles * plan.steps(i) for i, motion in enumerate(motions))
-    share = min(1.0, budget / total)
-    kept: set[int] = set()
-    first = 0
-    for motion in motions:
-        pairs = max(4, int(share * motion.cycles)) // 2
-        if share == 1.0 or 2 * pairs >= motion.cycles:
-            kept.update(range(first, first + motion.cycles))
-        else:
-            begins = first + np.linspace(0, motion.cycles - 2, pairs).round().astype(int)
-            kept.update(begins, begins + 1)
-        first += motion.cycles
-    return {int(cycle) for cycle in kept}
 
 
 def _sizes(plan: Plan) -> np.ndarray:

@@ -220,10 +220,11 @@ def simulate_plans(
     stepper = stepper_of([plan.robot.model for plan in plans])
     memory = Memory(stepper.userdata, first.layout)
     members = [Member(plan, memory, stepper, index, start) for index, plan in enumerate(plans)]
-    wall, done, again = 0.0, 0, 0.0
+    wall, done, saving, last = 0.0, 0, 0.0, 0.0
     if resume is not None:
         members[0].resume(resume)
         wall, done = resume.simulation_wall_s, resume.data.sizes["cycle"]
+    started = time.perf_counter()
     with heard(), installed(interpret=interpret, command=first.law.command):
         for cycle, segment in list(enumerate(first.schedule))[done:]:
             going = [i for i, member in enumerate(members) if member.status is Status.OK]
@@ -240,10 +241,13 @@ def simulate_plans(
             if progress:
                 progress(cycle + 1, len(first.schedule))
             going = [i for i in going if members[i].status is Status.OK]
-            if keep and going and (cycle + 1) % keep.every == 0 and time.perf_counter() >= again:
+            passed = time.perf_counter() - started
+            due = keep and going and (cycle + 1) % keep.every == 0
+            if keep and due and passed >= SELDOM * (saving + last):
                 began = time.perf_counter()
                 members[0].checkpoint(cycle, wall).save(keep.folder)
-                again = (1 + SELDOM) * time.perf_counter() - SELDOM * began
+                last = time.perf_counter() - began
+                saving += last
             if stop is not None and stop():
                 for i in going:
                     members[i].interrupt(cycle)
