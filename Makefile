@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check dist audit format benchmark gallery \
+.PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check api dist audit format benchmark gallery \
   clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
@@ -41,6 +41,9 @@ check: $(VENV)/installed-dev   ## format, lint, types, import order
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+api: $(VENV)/installed-dev   ## API pages from the docstrings, in docs/api/
+	$(BIN)/python docs/api.py
+
 dist: $(VENV)/installed-dev   ## source archive, wheel and their digests, in dist/
 	rm -rf dist
 	$(BIN)/python -m hatchling build
@@ -62,7 +65,7 @@ gallery: $(VENV)/installed   ## film the README's looping picture again
 	$(BIN)/resonance-mj render runs/seven-joint -o docs/motion.webp --from 1c --to 8c --speed 2 --fps 15 --size 880x495
 
 clean:
-	rm -rf build dist $(VENV) .venv-oldest .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	rm -rf build dist docs/api $(VENV) .venv-oldest .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

@@ -264,6 +264,9 @@ class Member:
 
     def _what_diverged(self, cycle: int, failed: int) -> str:
         """Which joint failed, when, why, and what to try; empty if none did."""
+        why = "" if failed else self._recording.diverges()
+        if not failed and not why:
+            return ""
         plan, law, segment = self.plan, self.plan.experiment.law, self.plan.schedule[cycle]
         dt = plan.experiment.simulation.timestep
         where = f"motion {segment + 1} diverged in cycle {cycle + 1} of the run"
@@ -271,10 +274,6 @@ class Member:
             joint = plan.robot.joints[int(self._memory.scalar("failed_joint")[self._index])]
             why = f"{joint} would turn by more than one radian in a time step"
             where += f", {(failed - 1) * dt:.3f} s into it"
-        else:
-            why = self._recording.diverges()
-            if not why:
-                return ""
         if cycle == 0:
             by_hand = law.k_v is not None or law.k_p is not None
             smaller = (

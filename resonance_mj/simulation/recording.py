@@ -19,7 +19,7 @@ from ..springs.spring import equilibrium_angles
 from .ending import Hindrance, LastCycle
 from .thinning import kept_cycles
 
-POSES = 8
+POSES = 4
 """Poses of a cycle at which its distance from singular poses is measured."""
 
 TOGETHER = 64

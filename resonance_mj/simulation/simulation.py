@@ -23,7 +23,7 @@ from .continuing import Start
 from .member import Member
 from .stepper import Alone, Stepper, Together
 
-SELDOM = 100
+SELDOM = 150
 """Least time between two checkpoints, as a multiple of what one takes."""
 
 
@@ -68,7 +68,7 @@ def simulate(
         stop: asked after each cycle whether to end there, with status INTERRUPTED.
         checkpoint: cycles after which the run so far is saved in `folder`, again and again, with
             status INTERRUPTED and all that it takes to resume it; 0 for never. It takes at most a
-            hundredth of the time: cycles that are simulated faster are more.
+            hundred-and-fiftieth of the time: cycles that are simulated faster are more.
         folder: where it is saved.
         resume: an interrupted run of this experiment, which goes on where it was, and ends with the
             same bits as if nothing had happened; one that has ended is returned as it is.
