@@ -20,7 +20,7 @@ from resonance_mj.springs.fit import LinearSprings, fit
 CYCLES = 60
 
 ARMS = {
-    "two-link": ("two-link-transfer", {"law": {"kind": "transfer"}}),
+    "two-link": ("two-link-transfer", {"law": {}, "law.kind": "transfer"}),
     "seven-joint": ("seven-joint", {}),
     "six-joint pose": ("six-joint-pose", {}),
 }

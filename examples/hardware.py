@@ -32,7 +32,7 @@ def experiment(cycles: int) -> rmj.Experiment:
     paper = rmj.load("two-link-transfer")
     motion = paper.motion[0].model_copy(update={"duration": float(cycles), "blend": 4})
     return paper.replace(
-        {"motion": [motion.model_dump(exclude_none=True)], "law": {"kind": "transfer"}}
+        {"motion": [motion.model_dump(exclude_none=True)], "law": {}, "law.kind": "transfer"}
     )
 
 

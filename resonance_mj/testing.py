@@ -101,7 +101,9 @@ def _hold(run: Run, motion: int | None, figure: str, **band: Any) -> None:
         if motion not in motions:
             raise ExperimentError(f"motion = {motion}: {name} has motions 1 to {len(motions)}")
         expect = {"motion": [expect if i == motion else {} for i in motions]}
-    experiment = run.experiment.replace({"expect": expect})
+    experiment = run.experiment.replace(
+        {"expect": {}, **{f"expect.{key}": value for key, value in expect.items()}}
+    )
     fit(experiment, run.data["joint"].values.tolist(), f"experiment {name!r}")
     if missed := report(run := replace(run, experiment=experiment), judge(run)):
         raise AssertionError(missed)

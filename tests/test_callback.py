@@ -153,11 +153,11 @@ def test_threads_simulate_side_by_side_and_end_as_one_by_one(tmp_path):
         "        y[j] = dq[j]\n"
         "        tau[j] = u[j] - parameters[0] * y[j]\n"
     )
-    mine = {"law": {"kind": str(law), "parameters": [2.0]}}
+    mine = {"law": {}, "law.kind": str(law), "law.parameters": [2.0]}
     kinds = [
         (short(cycles=8), False),
-        (short({"law": {"kind": "transfer"}}, cycles=6), False),
-        (short({"law": {"kind": "joint-space"}}, cycles=6), False),
+        (short({"law": {}, "law.kind": "transfer"}, cycles=6), False),
+        (short({"law": {}, "law.kind": "joint-space"}, cycles=6), False),
         (short(cycles=1), True),
         (short(mine, cycles=3), False),
     ]

@@ -115,7 +115,9 @@ def slider(tmp_path, **changes):
     }
     experiment = rmj.load("paper").replace(
         {
-            "robot": {"mjcf": str(path), "home": [MIDDLE]},
+            "robot": {},
+            "robot.mjcf": str(path),
+            "robot.home": [MIDDLE],
             "task.coordinates": ["x"],
             "simulation.gravity": [0.0, 0.0, 0.0],
             "motion": [motion],

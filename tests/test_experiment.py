@@ -259,3 +259,17 @@ def test_what_lies_beside_a_file_is_not_taken_for_the_law_that_it_names(tmp_path
     make(tmp_path / "paper")
     (tmp_path / "mine.toml").write_text('[robot]\nmjcf = "two_link.xml"\n[law]\nkind = "paper"\n')
     assert rmj.load(tmp_path / "mine.toml").law.kind == "paper"
+
+
+def test_a_section_that_is_given_as_a_dict_is_merged_and_an_empty_one_is_reset():
+    paper = rmj.load("paper")
+    assert paper.replace({"law": {"beta": 3.0}}) == paper.replace({"law.beta": 3.0})
+    assert paper.replace({"law": {"beta": 3.0}}).law.k_v == paper.law.k_v != None  # noqa: E711
+    reset = paper.replace({"law": {}, "expect": {}})
+    assert reset.law == type(paper.law)()
+    assert reset.springs == paper.springs
+    changes = {"law": {}, "law.kind": "transfer"}
+    assert paper.replace(changes).law.kind == "transfer"
+    assert changes == {"law": {}, "law.kind": "transfer"}
+    with pytest.raises(rmj.ResonanceError, match=r"law\.betta: unknown key"):
+        paper.replace({"law": {"betta": 3.0}})

@@ -17,7 +17,8 @@ from resonance_mj.springs.fit import LinearSprings, fit
 DEFAULTS = {
     "motion.0.blend": 1,
     "motion.1.blend": 1,
-    "law": {"kind": "transfer"},
+    "law": {},
+    "law.kind": "transfer",
 }
 """The paper's arm and motions with default gains and the passage from rest."""
 
@@ -38,7 +39,7 @@ def feedback(reality, kind="feedback"):
         arm(
             reality,
             cycles=3,
-            **{"law": {"kind": kind, "jacobian": "inverse", "velocity": "jacobian"}},
+            **{"law.kind": kind, "law.jacobian": "inverse", "law.velocity": "jacobian"},
         )
     )
 
@@ -86,8 +87,8 @@ def measured(run):
 
 
 def joint_law(reality):
-    law = {"kind": "computed-torque", "alpha": 50.0}
-    return rmj.simulate(arm({"velocity": "sensor"} | reality, cycles=4, law=law))
+    law = {"law.kind": "computed-torque", "law.alpha": 50.0}
+    return rmj.simulate(arm({"velocity": "sensor"} | reality, cycles=4, **law))
 
 
 def test_encoder_noise_has_its_standard_deviation_and_is_white():

@@ -580,7 +580,12 @@ def test_reading_the_error_ahead_keeps_a_large_learning_gain_from_diverging():
     assert ahead.sizes["cycle"] == 30
 
 
-BOUNDED = {"law": {"kind": "transfer"}, "springs": {"stiffness": [2.0, 50.0]}}
+BOUNDED = {
+    "law": {},
+    "law.kind": "transfer",
+    "springs": {},
+    "springs.stiffness": [2.0, 50.0],
+}
 
 
 def test_springs_begin_within_their_bounds_where_nothing_is_said_of_them():

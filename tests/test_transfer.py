@@ -142,7 +142,8 @@ def test_the_default_law_reaches_the_optimum_of_the_papers_arm_and_stays():
     run = rmj.simulate(
         rmj.load("paper").replace(
             {
-                "law": {"kind": "transfer"},
+                "law": {},
+                "law.kind": "transfer",
                 "motion.0.blend": 1,
                 "motion.0.duration": 25.0,
                 "motion.1.blend": 1,

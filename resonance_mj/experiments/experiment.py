@@ -110,7 +110,9 @@ class Experiment(Section):
 
         Args:
             changes: dotted keys and their new values, such as `{"law.beta": 3.0}` or
-                `{"motion.0.period": 0.5}`.
+                `{"motion.0.period": 0.5}`. A section that is given as a dict, such as
+                `{"law": {"kind": "transfer"}}`, changes those of its keys; an empty one takes
+                all of them back to their defaults.
 
         Raises:
             ExperimentError: a key does not exist or a value is not valid.
@@ -128,6 +130,8 @@ class Experiment(Section):
                     if isinstance(node, dict)
                     else node[_at(node, parent, key)]
                 )
+            if isinstance(value, Mapping):  # a copy: keys that follow may be of its section
+                value = {**(node.get(last, {}) if value and not parents else {}), **value}
             node[last if isinstance(node, dict) else _at(node, last, key)] = value
         return validated(Experiment, values, f"experiment {self.name!r}")
 
