@@ -226,6 +226,19 @@ def test_the_figures_have_a_cursor_at_the_scene_s_moment_and_go_to_where_one_cli
     assert shown == pytest.approx((begin + end) / 2, abs=1.0)
 
 
+def test_a_joint_s_name_cannot_leave_the_scene_s_data(tmp_path):
+    name = "</script><b>joint</b>"
+    arm = tmp_path / "arm.xml"
+    text = (Path(rmj.__file__).parents[1] / "mjcf" / "two_link.xml").read_text()
+    arm.write_text(text.replace('"joint1"', '"&lt;/script>&lt;b>joint&lt;/b>"'))
+    run = rmj.simulate(for_robot(str(arm)).replace({"motion.0.duration": 3.0}))
+    assert name in run.plan.robot.joints
+    page = rmj.report(run, tmp_path / "page.html", video=False).read_text(encoding="utf-8")
+    assert name not in page
+    (data,) = re.findall(r'id="scene-data">(.*?)</script>', page, re.DOTALL)
+    assert json.loads(data)["joints"][0]["name"] == name
+
+
 def test_without_webgl_the_page_says_so_and_is_whole_else(browser, single):
     found = next(filter(None, map(shutil.which, BROWSERS)))
     blind = browser.browser_type.launch(

@@ -47,7 +47,8 @@ def test_saved_run_is_loaded_as_it_was(run, tmp_path):
     assert (loaded.versions, loaded.notes) == (run.versions, run.notes)
     assert loaded.summary() == run.summary()
     assert json.loads((tmp_path / "deep/folder/summary.json").read_text()) == run.summary()
-    assert rmj.load(tmp_path / "deep/folder/experiment.toml") == run.experiment
+    written = rmj.load(tmp_path / "deep/folder/experiment.toml")
+    assert written == run.experiment.replace(loaded.found)
 
 
 @pytest.mark.parametrize("k_v", [2000.0, 1e9])
@@ -95,6 +96,31 @@ def test_summary_and_run_agree_where_data_was_changed_after_its_figures_were_rea
 
 
 # A run is saved whole, or not at all
+
+
+@pytest.mark.parametrize("reality", ["", "lab"])
+def test_the_experiment_as_it_was_run_holds_all_that_was_found_and_is_the_same_run(
+    reality, tmp_path
+):
+    changes = {"motion.0.duration": 6.0} | ({"reality": reality} if reality else {})
+    run = rmj.simulate(for_robot("six_joint.xml").replace(changes))
+    written = rmj.load(run.save(tmp_path) / "experiment.toml")
+    law = written.law
+    assert (law.omega, law.eta, law.lead, law.harmonics) == (50.0 if reality else 100.0, 0.8, 1, 20)
+    assert (law.jacobian, law.velocity, law.listens) == ("damped", "difference", True)
+    assert (law.alpha, law.alpha_0) == (run.plan.gains.alpha, run.plan.gains.alpha_0)
+    assert written.robot.home == tuple(run.plan.robot.home.tolist())
+    assert (written.robot.tool, written.task.coordinates) == ("tool", ("x", "y", "z"))
+    assert written.motion[0].size is not None
+    again = rmj.simulate(written)
+    for name in ("q", "tau", "stiffness", "torque_squared", "torque_squared_optimal"):
+        np.testing.assert_array_equal(again.data[name], run.data[name], err_msg=name)
+    loaded = rmj.Run.load(tmp_path)
+    assert loaded.experiment == rmj.Run.load(loaded.save(tmp_path / "copy")).experiment.replace(
+        {"robot.mjcf": loaded.experiment.robot.mjcf}
+    )
+    assert rmj.load(tmp_path / "copy" / "experiment.toml").law == law
+    assert not [note for note in again.notes if "no effect" in note]
 
 
 def test_one_run_at_a_time_has_a_folder_and_the_other_is_told_so(tmp_path):
@@ -160,7 +186,7 @@ def test_runs_saved_into_one_folder_at_once_leave_one_of_them_whole(run, other, 
     assert names(tmp_path) == NAMES
     written, loaded = (tmp_path / "summary.json").read_text(), rmj.Run.load(tmp_path)
     assert written.splitlines() == json.dumps(loaded.summary(), indent=2).splitlines()
-    assert rmj.load(tmp_path / "experiment.toml") == rmj.Run.load(tmp_path).experiment
+    assert rmj.load(tmp_path / "experiment.toml") == loaded.experiment.replace(loaded.found)
 
 
 KILLED = """

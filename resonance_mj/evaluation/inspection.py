@@ -11,6 +11,7 @@ import tomlkit
 from ..experiments.experiment import Experiment, describe
 from ..laws.gains import Gains
 from ..motions.kinematics import JointMotion
+from ..plan.filling import found
 from ..plan.plan import Plan, plan_for
 from ..robots.reach import reach
 from ..robots.robot import Robot
@@ -165,22 +166,12 @@ def _ends(pair: np.ndarray) -> tuple[float, float]:
 
 def _written_out(plan: Plan) -> Experiment:
     """An experiment with what was found in its robot and for its gains written out."""
-    robot, gains, given, law = plan.robot, plan.gains, plan.experiment.robot, plan.experiment.law
-    path = Path(given.mjcf)
-    # A keyframe that is named also holds joints off the chain: its name stays.
-    home = given.home if isinstance(given.home, str) else robot.home.tolist()
-    coordinates = [*robot.position_axes, *(["rotation"] if robot.rotates else [])]
-    changes = {
-        "robot.mjcf": str(path.resolve()) if path.exists() else given.mjcf,
-        "robot.tool": robot.tools[0].name,
-        "robot.home": home,
-        "task.coordinates": coordinates,
-        "law.lead": gains.lead,
-        "law.harmonics": gains.harmonics,
-    }
-    if law.k_v is None and law.k_p is None:
-        changes["law.omega"] = gains.omega
-        changes["law.eta"] = plan.experiment.law.learned_share
+    path = Path(plan.experiment.robot.mjcf)
+    shown = {f"{section}.{key}" for section, keys in WORTH_CHANGING.items() for key in keys}
+    all_found = found(plan.experiment, plan.robot, plan.gains)
+    changes = {key: value for key, value in all_found.items() if key in shown}
+    if path.exists():
+        changes["robot.mjcf"] = str(path.resolve())
     return plan.experiment.replace(changes)
 
 
@@ -190,7 +181,7 @@ WORTH_CHANGING = {
     "task": ("coordinates",),
     "simulation": ("timestep",),
     "motion.0": ("duration", "period", "blend", "shape", "center", "size", "plane"),
-    "law": ("kind", "omega", "eta", "lead", "harmonics"),
+    "law": ("kind", "omega", "eta", "lead", "harmonics", "listens"),
     "springs": ("stiffness", "equilibrium"),
 }
 """Keys that a suggested experiment has, by their sections."""

@@ -38,6 +38,7 @@ def _reasons(
     learns = law.kind not in ("feedback", "computed-torque")
     by_hand = law.k_v is not None or law.k_p is not None
     if law.kind != "transfer":
+        yield "law.listens", f"{kind} does not listen"
         yield "reality.stiffness_rate", f"{kind} does not set springs between cycles"
     if not any(one.tendon or len(one.joints or ()) > 1 for one in springs.element):
         yield "springs.weights", "springs of single joints are the same for all weights"

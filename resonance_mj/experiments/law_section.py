@@ -43,8 +43,8 @@ class Law(Section):
     k_p: Gains | None = None
     """Position feedback K_p [N/m], one for all coordinates or one each."""
     omega: Gain | None = None
-    """Bandwidth of the inertial feedback [1/s]; 60, or more on an arm that falls or swings fast,
-    and at most a tenth of 1/timestep, if not given."""
+    """Bandwidth of the inertial feedback [1/s]; 100 (the laws as printed: 60), or more on an arm
+    that falls or swings fast, and at most 0.3 (0.1) of 1/timestep, if not given."""
     alpha: Gain | None = None
     """Weight of the position error in (8) [1/s]; 10, or the rate at which the arm falls or swings
     about its home if that is higher, if not given."""
@@ -73,6 +73,10 @@ class Law(Section):
     harmonics: Annotated[int, Field(ge=1, le=50_000)] | None = None
     """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
     given."""
+
+    listens: bool | None = None
+    """Whether the transfer law looks for noise and delay in its loop and for the weight of its arm,
+    and tunes itself to them; where it is given no gain by hand, if not given."""
 
     @field_validator("kind")
     @classmethod

@@ -74,9 +74,10 @@ def load(kind: str) -> Law:
 
 
 def listens(law: law_section.Law) -> bool:
-    """Whether a law of these keys looks for noise and delay in its loop: if no gain is given."""
-    given = any(getattr(law, key) is not None for key in BY_HAND)
-    return law.kind in LAWS and LAWS[law.kind].listens and not given
+    """Whether a law of these keys looks for noise and delay in its loop."""
+    by_hand = any(getattr(law, key) is not None for key in BY_HAND)
+    asked = not by_hand if law.listens is None else law.listens
+    return law.kind in LAWS and LAWS[law.kind].listens and asked
 
 
 def at_limit(cycle: Cycle, gains: Gains) -> float:

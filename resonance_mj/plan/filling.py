@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import MotionError
+from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
-from ..laws.gains import adaptation
-from ..laws.laws import Law
+from ..laws.gains import Gains, adaptation
+from ..laws.laws import Law, listens
 from ..robots.robot import Robot
 from ..springs.optimum import Optimum
 from ..text import joined, shown
@@ -29,6 +30,44 @@ class Left(NamedTuple):
     """That it repeats."""
     q: np.ndarray
     """Its joint angles at the end of a cycle (n,) [rad]."""
+
+
+def found(experiment: Experiment, robot: Robot, chosen: Gains) -> dict[str, object]:
+    """The keys that an experiment leaves open, by their names, as they were found.
+
+    Args:
+        experiment: with its motions filled in.
+        robot: of it.
+        chosen: its law's gains on the robot.
+
+    Returns:
+        Those that have an effect: with them it is the same run, whatever later defaults are.
+    """
+    law = experiment.law
+    values: dict[str, object] = {
+        "robot.tool": robot.tools[0].name,
+        "robot.home": robot.home.tolist(),
+        "task.coordinates": [*robot.position_axes, *(["rotation"] if robot.rotates else [])],
+        "law.jacobian": chosen.jacobian,
+        "law.velocity": chosen.velocity,
+        "law.omega": chosen.omega,
+        "law.alpha": chosen.alpha,
+        "law.alpha_0": chosen.alpha_0,
+        "law.eta": law.learned_share,
+        "law.lead": chosen.lead,
+        "law.harmonics": chosen.harmonics,
+        "law.listens": listens(law),
+    }
+    given = experiment.model_dump()
+    values = {
+        key: value
+        for key, value in values.items()
+        if value is not None and given[key.partition(".")[0]][key.partition(".")[2]] is None
+    }
+    limited, square = bool(robot.limited.any()), robot.m == robot.n
+    lines = without_effect(experiment.replace(values), square=square, limited=limited)
+    idle = {line.partition(" = ")[0] for line in lines}
+    return {key: value for key, value in values.items() if key not in idle}
 
 
 def without_passage(experiment: Experiment, left: Motion) -> Experiment:

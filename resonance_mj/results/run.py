@@ -64,6 +64,7 @@ class Run:
         simulation_wall_s: wall time of the simulation alone [s].
         versions: of the packages that made it.
         inputs: the files that it depends on: robot, law, waypoints.
+        found: of a run that was read, the keys that its experiment leaves open, as they were found.
         planned: the plan that was simulated; `plan` has that of any run.
     """
 
@@ -76,6 +77,7 @@ class Run:
     notes: tuple[str, ...] = ()
     versions: dict[str, str] = field(default_factory=versions)
     inputs: tuple[Input, ...] = ()
+    found: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
     planned: Plan | None = field(default=None, repr=False, compare=False)
 
     @cached_property

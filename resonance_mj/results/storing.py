@@ -50,6 +50,7 @@ class _About(BaseModel):
     steps: int
     simulation_wall_s: float
     inputs: Json[tuple[Input, ...]]
+    found: Json[dict[str, Any]]
     thinned: int
 
 
@@ -147,7 +148,17 @@ def save(run: Run, folder: str | os.PathLike[str]) -> Path:
     inputs = [one._replace(path=Path(within, one.name)) for one in kept]
     paths = {one.key: one.path.as_posix() for one in inputs if one.key}
     text = run.experiment.replace(paths).to_toml()
-    content = _netcdf(run, text, json.dumps([(*one[:1], str(one[1]), *one[2:]) for one in inputs]))
+    made, open_keys = run.planned, run.found
+    if made is not None:
+        from ..plan.filling import found  # imports MuJoCo, which reading a run does not need
+
+        open_keys = found(made.experiment, made.robot, made.gains)
+    content = _netcdf(
+        run,
+        experiment=text,
+        inputs=json.dumps([(*one[:1], str(one[1]), *one[2:]) for one in inputs]),
+        found=json.dumps(open_keys),
+    )
     made_by = "".join(f"# {name} {number}\n" for name, number in run.versions.items())
     return write(
         folder,
@@ -155,7 +166,8 @@ def save(run: Run, folder: str | os.PathLike[str]) -> Path:
         | {
             "summary.json": (json.dumps(run.summary(), indent=2, allow_nan=False) + "\n").encode(),
             "experiment.toml": (
-                f"# The experiment as it was run, with every default filled in.\n{made_by}\n{text}"
+                "# The experiment as it was run, with every default and all that was found filled "
+                f"in.\n{made_by}\n{run.experiment.replace({**paths, **open_keys}).to_toml()}"
             ).encode(),
             "run.nc": content + _seal(content),
         },
@@ -163,17 +175,16 @@ def save(run: Run, folder: str | os.PathLike[str]) -> Path:
     )
 
 
-def _netcdf(run: Run, experiment: str, inputs: str) -> bytes:
+def _netcdf(run: Run, **texts: str) -> bytes:
     data = run.data.assign_attrs(
         title=f"resonance-mj run {run.experiment.name}",
-        experiment=experiment,
         status=str(run.status),
         message=run.message,
         notes=json.dumps(run.notes),
         versions=json.dumps(run.versions),
         steps=run.steps,
         simulation_wall_s=run.simulation_wall_s,
-        inputs=inputs,
+        **texts,
     )
     # In memory: HDF5 takes the process with it where a file cannot be closed, on a full disk.
     with _one_at_a_time:

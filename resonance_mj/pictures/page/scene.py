@@ -111,7 +111,9 @@ def scene(planned: film.Film, note: Callable[[str], None]) -> Shown:
         "error": _packed(np.array([shown.error(sample) for sample in at])),
         "cycle": shown.cycle[at].tolist(),
     }
-    return Shown(json.dumps(found, default=_plain, separators=(",", ":")), spans)
+    text = json.dumps(found, default=_plain, separators=(",", ":"))
+    # Names are a user's: none of them ends the element that holds them.
+    return Shown(text.replace("<", "\\u003c"), spans)
 
 
 def _geometry(model: mujoco.MjModel) -> tuple[dict[int, list[dict[str, Any]]], list[Any]]:
@@ -174,8 +176,8 @@ def _paths(
     run: Run, shown: frame_data.FrameData, tips: np.ndarray
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """The desired path of each motion that is shown, and which of them each frame has."""
-    segments = run.data["segment_of_cycle"].values
-    of = np.array([segments[min(cycle, len(segments)) - 1] for cycle in shown.cycle[shown.sample]])
+    at = np.searchsorted(run.data["time"].values, shown.time[shown.sample])
+    of = run.data["segment_of_sample"].values[at]
     paths, which = [], np.zeros(len(of), int)
     for number, segment in enumerate(dict.fromkeys(of.tolist())):
         mine = np.flatnonzero(of == segment)
