@@ -50,7 +50,7 @@ class _About(BaseModel):
     steps: int
     simulation_wall_s: float
     inputs: Json[tuple[Input, ...]]
-    found: Json[dict[str, Any]]
+    found: Json[dict[str, Any]] = {}  # runs of earlier versions do not say
     thinned: int
 
 
@@ -133,8 +133,9 @@ def _variable(name: str, item: h5py.Dataset) -> tuple[list[str], np.ndarray, dic
 
 def _about(hdf5: h5py.File) -> _About:
     """What the attributes say."""
-    found = {name: np.asarray(hdf5.attrs.get(name)).item() for name in _About.model_fields}
-    return validated(_About, found, "its attributes")
+    given = {name: hdf5.attrs[name] for name in _About.model_fields if name in hdf5.attrs}
+    said = {name: np.asarray(value).item() for name, value in given.items()}
+    return validated(_About, said, "its attributes")
 
 
 def save(run: Run, folder: str | os.PathLike[str]) -> Path:

@@ -302,10 +302,19 @@ function begin(root) {
     button.textContent = on ? "Pause" : "Play";
     button.setAttribute("aria-pressed", on);
   }
-  let before = 0;
+  // Without a graphics processor: fewer pixels, and then no shadows, until it moves.
+  let before = 0, slow = 0, sharpness = Math.min(devicePixelRatio, 2);
+  function lighten() {
+    slow = 0;
+    if (sharpness > 0.5) sharpness = Math.max(0.5, sharpness / 1.5);
+    else renderer.shadowMap.enabled = sun.castShadow = false;
+    fit();
+  }
   function tick(moment) {
-    const passed = Math.min(moment - before, 100) / 1000;
+    const took = moment - before, passed = Math.min(took, 100) / 1000;
     before = moment;
+    slow = playing && took > 50 && took < 1000 ? slow + 1 : Math.max(0, slow - 0.5);
+    if (slow > 4 && sun.castShadow) lighten();
     if (playing) show((now = (now + data.fps * passed) % frames));
     if (controls.update() || stale) {
       renderer.render(scene, camera);
@@ -315,7 +324,7 @@ function begin(root) {
   }
   const fit = () => {
     const { clientWidth: width, clientHeight: height } = canvas;
-    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    renderer.setPixelRatio(sharpness);
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     // What fits into a wide picture shall fit into a narrow one.
