@@ -40,3 +40,7 @@ class OutputError(ResonanceError):
 
 class PictureError(ResonanceError):
     """A picture or video was asked for that cannot be made, or OpenGL to draw it is missing."""
+
+
+class DivergedWarning(UserWarning):
+    """A simulated run diverged, which its status says too: Python shows it where nobody looks."""

@@ -13,7 +13,7 @@ import resonance_mj as rmj
 from resonance_mj import library
 from resonance_mj.callback import callback
 from resonance_mj.callback.callback import installed
-from resonance_mj.errors import CallbackError
+from resonance_mj.errors import CallbackError, DivergedWarning
 from resonance_mj.laws import controller
 from resonance_mj.laws.memory import Memory
 from resonance_mj.plan.plan import plan_for
@@ -173,6 +173,13 @@ def test_threads_simulate_side_by_side_and_end_as_one_by_one(tmp_path):
     assert not pointer()
     for index, run in enumerate(together):
         assert_equal_to_the_last_bit(run, alone[index % len(kinds)])
+
+
+def test_a_run_that_diverges_warns_whoever_called(tmp_path, monkeypatch):
+    with pytest.warns(DivergedWarning, match=r"paper: motion 1 diverged .* try smaller") as said:
+        run = rmj.simulate(short(LAWS["diverging"]))
+    assert run.status is rmj.Status.DIVERGED
+    assert said[0].filename == __file__
 
 
 def test_a_thread_whose_law_is_another_waits_until_the_first_has_ended():

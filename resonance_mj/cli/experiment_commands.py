@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from argparse import Namespace
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import resonance_mj as rmj
 
 from ..claim import claimed
-from ..errors import ExperimentError
+from ..errors import DivergedWarning, ExperimentError
 from ..files import could_be_written
 from ..pictures.figures.catalogue import DRAFT
 from . import keys_as_options, run_commands
@@ -69,7 +70,9 @@ def _made(experiment: rmj.Experiment, folder: Path, options: Namespace) -> int:
     with (
         stopping() as came,
         bar(f"{name}: preparing the law", "cycles", screen.console, total, then=name) as show,
+        warnings.catch_warnings(),
     ):
+        warnings.simplefilter("ignore", DivergedWarning)  # said at the end
         run = rmj.simulate(
             experiment,
             interpret=options.interpret,

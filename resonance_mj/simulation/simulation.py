@@ -1,6 +1,7 @@
 """Experiments through MuJoCo's integrator: one call of `mj_step` per cycle, learning in between."""
 
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -10,7 +11,7 @@ import mujoco
 
 from ..callback.callback import installed, not_kept, refuse_foreign
 from ..claim import claimed
-from ..errors import ExperimentError
+from ..errors import DivergedWarning, ExperimentError
 from ..experiments.experiment import Experiment
 from ..laws.memory import Memory
 from ..plan.plan import Followed, Plan, plan_for
@@ -74,9 +75,9 @@ def simulate(
             same bits as if nothing had happened; one that has ended is returned as it is.
 
     Returns:
-        The run. One that diverges stops there, with status DIVERGED and what was recorded; one
-        whose tool does not follow its path at the end has status NOT_TRACKING, one that touches
-        something on its way IN_CONTACT.
+        The run. One that diverges stops there, with a DivergedWarning, status DIVERGED and what was
+        recorded; one whose tool does not follow its path at the end has status NOT_TRACKING, one
+        that touches something on its way IN_CONTACT.
 
     Raises:
         RobotError: the robot cannot be loaded.
@@ -119,6 +120,8 @@ def simulate(
         note(line)
     if not interpret and (reason := not_kept()):
         note(reason)
+    if run.status is Status.DIVERGED:
+        warnings.warn(f"{experiment.name}: {run.message}", DivergedWarning, stacklevel=2)
     return run
 
 

@@ -298,7 +298,7 @@ function begin(root) {
   };
   const point = cursors(go);
   function play(on) {
-    playing = on;
+    if (playing !== on) fit((playing = on));
     button.textContent = on ? "Pause" : "Play";
     button.setAttribute("aria-pressed", on);
   }
@@ -322,16 +322,16 @@ function begin(root) {
       stale = false;
     }
   }
-  const fit = () => {
+  function fit() {
     const { clientWidth: width, clientHeight: height } = canvas;
-    renderer.setPixelRatio(sharpness);
+    renderer.setPixelRatio(playing ? sharpness : Math.min(devicePixelRatio, 2));
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     // What fits into a wide picture shall fit into a narrow one.
     camera.fov = (2 * 180 * Math.atan(Math.tan((data.camera.fov * Math.PI) / 360) * Math.max(1, 1.6 / camera.aspect))) / Math.PI;
     camera.updateProjectionMatrix();
     stale = true;
-  };
+  }
   new ResizeObserver(fit).observe(canvas);
   dark.addEventListener("change", sky);
   button.addEventListener("click", () => play(!playing));
