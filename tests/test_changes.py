@@ -18,7 +18,8 @@ def arm(*motions, **changes):
     values = [ELLIPSE | {"duration": 15.0} | dict(motion) for motion in motions]
     law = {"kind": "transfer"}
     springs = {"stiffness": [0.0, np.inf], "equilibrium": [-np.pi, np.pi]}
-    plain = rmj.load("paper").replace({"law": law, "springs": springs})
+    plain = rmj.load("paper").replace({"law": {}, "springs": {}})
+    plain = plain.replace({"law": law, "springs": springs})
     return plain.replace({"motion": values, **changes})
 
 
