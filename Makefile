@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-oldest test-robots test-sensitivity fuzz soak mutation check api dist audit format benchmark gallery \
+.PHONY: paper test test-oldest test-robots test-docs test-sensitivity fuzz soak mutation check api dist audit format benchmark gallery \
   clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
@@ -21,6 +21,9 @@ test-oldest:   ## the tests with the oldest versions that pyproject.toml allows,
 
 test-robots: $(VENV)/installed-dev   ## public arms, downloaded once (1.2 GB), and the tables of docs/robots.md
 	$(BIN)/python -m pytest -m robots --dist load
+
+test-docs: $(VENV)/installed-dev   ## every command that README and docs/ show; ten minutes
+	$(BIN)/python -m pytest -m docs -n 2 --dist load
 
 test-sensitivity: $(VENV)/installed-dev   ## that the runs' expectations catch each single change
 	$(BIN)/python -m pytest -m sensitivity

@@ -2,6 +2,7 @@
 
 import base64
 import dataclasses
+import hashlib
 import io
 import json
 import re
@@ -23,6 +24,7 @@ from resonance_mj.pictures import palette
 from resonance_mj.pictures.figures import catalogue
 from resonance_mj.pictures.film import crew
 from resonance_mj.pictures.page import film
+from resonance_mj.pictures.page.scene import BUNDLE
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PHONE, DESK = 360, 1280
@@ -550,6 +552,13 @@ def test_bad_input_is_one_clear_line(arguments, says, folders, tmp_path, capsys)
     assert says in error
     assert error.count("\n") == 1
     assert time.monotonic() - before < 5  # before any picture is drawn
+
+
+def test_the_bundle_of_the_scene_is_made_of_its_source():
+    source, bundle = BUNDLE.with_name("scene.js").read_bytes(), BUNDLE.read_text(encoding="utf-8")
+    digest = hashlib.sha256(source).hexdigest()[:16]
+    assert bundle.startswith(f"/* scene.js {digest} */"), "run npm run build beside scene.js"
+    assert "</script" not in bundle
 
 
 def test_all_that_a_page_is_made_of_travels_with_the_package():

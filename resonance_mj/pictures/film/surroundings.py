@@ -119,7 +119,7 @@ def _show_arm(
 ) -> bool:
     """See to it that something of the arm is seen; returns whether a spec had to be changed."""
     moving = np.flatnonzero(model.body_weldid[model.geom_bodyid] > 0)
-    solid = [i for i in moving if _opacity(model, i) > 0]
+    solid = [i for i in moving if geom_colour(model, int(i))[3] > 0]
     if any(model.geom_group[i] in SHOWN for i in solid):
         return False
     if solid:
@@ -133,10 +133,11 @@ def _show_arm(
     return True
 
 
-def _opacity(model: mujoco.MjModel, geom: np.integer) -> float:
+def geom_colour(model: mujoco.MjModel, geom: int) -> np.ndarray:
+    """Colour of a geom (4,), its own or its material's."""
     material = model.geom_matid[geom]
     own = material < 0 or (model.geom_rgba[geom] != NOTHING).any()
-    return float((model.geom_rgba[geom] if own else model.mat_rgba[material])[3])
+    return np.asarray(model.geom_rgba[geom] if own else model.mat_rgba[material])
 
 
 def _add_lines(

@@ -17,7 +17,7 @@ from ..film import frame_data
 from ..film.options import RenderOptions
 from ..film.overlays import TRAIL, Overlays
 from ..film.render_model import RenderModel
-from ..film.surroundings import NOTHING, SHOWN, prepare, size
+from ..film.surroundings import SHOWN, geom_colour, prepare, size
 from . import film
 
 BUNDLE = Path(__file__).parent / "scene" / "bundle.js"
@@ -122,7 +122,7 @@ def _geometry(model: mujoco.MjModel) -> tuple[dict[int, list[dict[str, Any]]], l
     used: dict[int, int] = {}
     for geom in range(model.ngeom):
         kind = SHAPES.get(mujoco.mjtGeom(int(model.geom_type[geom])))
-        rgba = _colour(model, geom)
+        rgba = geom_colour(model, geom)
         if kind is None or rgba[3] <= 0 or model.geom_group[geom] not in SHOWN:
             continue
         one: dict[str, Any] = {
@@ -192,13 +192,6 @@ def _paths(
         points[-1] = points[0] if len(inside) >= shown.period[inside[0]] else points[-1]
         paths.append(points)
     return paths, which
-
-
-def _colour(model: mujoco.MjModel, geom: int) -> np.ndarray:
-    """Of a geom, its own or its material's (4,)."""
-    material = model.geom_matid[geom]
-    own = material < 0 or (model.geom_rgba[geom] != NOTHING).any()
-    return np.asarray(model.geom_rgba[geom] if own else model.mat_rgba[material])
 
 
 def _fov(model: mujoco.MjModel) -> float:
