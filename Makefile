@@ -22,7 +22,7 @@ test-oldest:   ## the tests with the oldest versions that pyproject.toml allows,
 test-robots: $(VENV)/installed-dev   ## public arms, downloaded once (1.2 GB), and the tables of docs/robots.md
 	$(BIN)/python -m pytest -m robots --dist load
 
-test-docs: $(VENV)/installed-dev   ## every command that README and docs/ show; ten minutes
+test-docs: $(VENV)/installed-dev   ## every command that README and docs/ show; a quarter of an hour
 	$(BIN)/python -m pytest -m docs -n 2 --dist load
 
 test-sensitivity: $(VENV)/installed-dev   ## that the runs' expectations catch each single change

@@ -57,6 +57,7 @@ def run(folder, *line):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_commands_of_a_page_end_as_it_says(page, folder):
     wrong, said = [], ""
+    shutil.rmtree(folder / "paper", ignore_errors=True)  # figures of another page, not the run
     for line in {" ".join(line): line for line in commands(page)}.values():
         if line[0] == "view":  # windows are opened by tests/test_view.py
             continue
