@@ -1,5 +1,6 @@
 """Each command that README and docs/ show is run, in the order of its page: `make test-docs`."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -50,6 +51,7 @@ def run(folder, *line):
         capture_output=True,
         text=True,
         timeout=900,
+        env=os.environ | {"COLUMNS": "100"},
     )
 
 
