@@ -33,9 +33,10 @@ def report(
 ) -> Path:
     """Write a report of a run, or of two or more beside each other, as one HTML file.
 
-    The file holds the film, the figures, the numbers beside the optimum's, the verdicts on what
-    the experiment expects, the experiment itself, and how to run it again. It asks for nothing
-    over a network, and names no folder of this machine.
+    The file holds the motion of a run as a scene to turn and scrub, the film, the figures, the
+    numbers beside the optimum's, the verdicts on what the experiment expects, the experiment
+    itself, and how to run it again. It asks for nothing over a network, and names no folder of this
+    machine.
 
     Args:
         run: the run or runs, or the folders that they were saved to.
