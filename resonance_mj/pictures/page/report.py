@@ -79,7 +79,8 @@ def report(
     film, said = None, ""
     if video:
         film, said, frames = _filmed(runs, names, lambda done, of: progress(done, of + figures))
-    turned = _scene(runs, names, note) if alone else None
+    note = note or (lambda line: None)
+    turned, lacks = _scene(runs, names, note) if alone else (None, "")
     done = count(frames + 1)
 
     def drawn(entries: Sequence[Entry], some: Sequence[Run], anchor: str) -> Figures:
@@ -105,7 +106,7 @@ def report(
         film_note=said,
         scene=turned,
     )
-    if note and said:
+    if said := said or lacks:  # what hinders the one hinders the other
         note(said)
     writable(path.parent)
     with replacing(path) as beside:
@@ -114,13 +115,13 @@ def report(
 
 
 def _scene(
-    runs: Sequence[Run], names: Sequence[str], note: Callable[[str], None] | None
-) -> Shown | None:
-    """A run as a scene to turn; None where it has no samples, or its arm's file is gone."""
+    runs: Sequence[Run], names: Sequence[str], note: Callable[[str], None]
+) -> tuple[Shown | None, str]:
+    """A run as a scene to turn, or None; and why there is none."""
     try:
-        return scene(films.plan(runs, names), note or (lambda line: None))
-    except (PictureError, RobotError):
-        return None
+        return scene(films.plan(runs, names), note), ""
+    except (PictureError, RobotError) as error:
+        return None, f"No scene: {error}"
 
 
 def _filmed(
