@@ -1,4 +1,4 @@
-"""What a command is, and what all have in common: arguments, exit statuses, progress bars."""
+"""What a command is, and what all have in common: arguments, exit statuses, where they print."""
 
 from __future__ import annotations
 
@@ -10,12 +10,9 @@ import threading
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..text import Caution
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 DONE, NOT_WELL, BAD_INPUT, ENDED_BY_SIGNAL = 0, 1, 2, 128
 """Exit statuses; to the last the number of the signal is added."""
@@ -148,29 +145,3 @@ def stopping() -> Iterator[list[int]]:
 def complain(line: str) -> None:
     """Say what did not go well."""
     print(f"resonance-mj: {line}", file=sys.stderr, flush=True)
-
-
-@contextmanager
-def bar(
-    first: str, unit: str, console: Console, total: int | None = None, then: str | None = None
-) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar, as a function of what is done and what there is in all, counted in `unit`.
-
-    It says `first`, and from the first progress on `then`, if that is given.
-    """
-    from rich import progress
-
-    with progress.Progress(
-        progress.TextColumn("{task.description}"),
-        progress.BarColumn(),
-        progress.MofNCompleteColumn(),
-        progress.TextColumn(unit),
-        progress.TimeElapsedColumn(),
-        progress.TextColumn("left"),
-        progress.TimeRemainingColumn(),
-        console=console,
-    ) as bars:
-        task = bars.add_task(first, total=total)
-        yield lambda done, of: bars.update(
-            task, completed=done, total=of, description=then or first
-        )

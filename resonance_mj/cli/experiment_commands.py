@@ -15,6 +15,7 @@ from ..claim import claimed
 from ..errors import DivergedWarning, ExperimentError
 from ..files import could_be_written
 from ..pictures.figures.catalogue import DRAFT
+from ..progress import bar
 from . import keys_as_options, run_commands
 from .command import (
     DONE,
@@ -22,7 +23,6 @@ from .command import (
     NOT_WELL,
     Screen,
     argument,
-    bar,
     command,
     complain,
     flag,

@@ -14,8 +14,9 @@ from ..errors import ExperimentError, PictureError
 from ..files import writable
 from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
 from ..pictures.viewer.clock import KEYS_HELP
+from ..progress import bar
 from . import keys_as_options
-from .command import DONE, NOT_WELL, Argument, Screen, argument, bar, command, complain, flag
+from .command import DONE, NOT_WELL, Argument, Screen, argument, command, complain, flag
 
 if TYPE_CHECKING:
     from ..evaluation.certificates.certificates import Certificates

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import resonance_mj as rmj
 
+from ..progress import bar
 from ..text import duration
-from .command import DONE, NOT_WELL, Screen, argument, bar, command, complain, flag
+from .command import DONE, NOT_WELL, Screen, argument, command, complain, flag
 
 if TYPE_CHECKING:
     from ..experiments.sweeping import Sweep
@@ -38,15 +39,8 @@ def sweep(options: Namespace) -> int:
         screen.line(line)
         return DONE
     with bar(f"{folder.name}: preparing", "runs", screen.console, settings.size) as show:
-        bad = 0
-
-        def done(runs: int, total: int, failed: int) -> None:
-            nonlocal bad
-            bad = failed
-            show(runs, total)
-
         found = rmj.sweep(
-            options.sweep, folder=folder, threads=options.threads, yes=options.yes, progress=done
+            options.sweep, folder=folder, threads=options.threads, yes=options.yes, progress=show
         )
     counts = Counter(found["status"].values.ravel().tolist())
     said = ", ".join(f"{count} {status}" for status, count in counts.most_common())

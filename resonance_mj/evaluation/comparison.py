@@ -14,11 +14,12 @@ from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
 from ..files import replacing, writable
 from ..laws.gains import adaptation
+from ..progress import Asked
 from ..results import html, metrics
 from ..results.motions import MotionOfRun
 from ..results.run import Run, Status, finite
 from ..robots.robot import build
-from ..simulation.simulation import Progress, simulate_many
+from ..simulation.simulation import simulate_many
 from ..text import length, percent
 
 SHORTEST = 20
@@ -234,7 +235,7 @@ def compare(
     *,
     long: int = 1000,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Asked = None,
 ) -> Comparison:
     """Simulate an experiment under each law that users compare, many at a time.
 
@@ -243,7 +244,8 @@ def compare(
             is a file, it is compared as well.
         long: how many cycles of the last motion show whether a law lasts; 0 for none.
         threads: how many to use; 0 for all cores.
-        progress: called with the cycles done and the cycles of all runs.
+        progress: called with the cycles done and the cycles of all runs; a bar in a terminal or a
+            notebook if not given, nothing for False.
 
     Raises:
         ExperimentError: `long` is neither 0 nor at least 20.

@@ -15,6 +15,7 @@ from ..errors import DivergedWarning, ExperimentError
 from ..experiments.experiment import Experiment
 from ..laws.memory import Memory
 from ..plan.plan import Followed, Plan, plan_for
+from ..progress import Asked, Progress, progressing
 from ..results.run import Run
 from ..robots.warned import heard
 from ..status import Status
@@ -36,17 +37,13 @@ class Keep(NamedTuple):
     folder: str | Path
 
 
-Progress = Callable[[int, int], None]
-"""Called after each cycle with the number of cycles done and the number of all."""
-
-
 def simulate(
     experiment: Experiment,
     *,
     interpret: bool = False,
     strict: bool = False,
     after: Run | None = None,
-    progress: Progress | None = None,
+    progress: Asked = None,
     note: Callable[[str], None] | None = None,
     stop: Callable[[], bool] | None = None,
     checkpoint: int = 0,
@@ -63,7 +60,8 @@ def simulate(
         after: a run of the same arm and task that this one goes on from, with its last state, and
             the springs and the torque that its law has learned. Its last motion goes on without a
             passage, and with the same bits as if it had never ended.
-        progress: called after each cycle with the cycles done and the cycles in all.
+        progress: called after each cycle with the cycles done and the cycles in all; a bar in a
+            terminal or a notebook if not given, nothing for False.
         note: called before the first step with each thing that was found, changed or is doubtful,
             and after the last with what the run showed; they stand in `Run.notes` too.
         stop: asked after each cycle whether to end there, with status INTERRUPTED.
@@ -105,13 +103,16 @@ def simulate(
         if resume.status is not Status.INTERRUPTED:
             return resume
     keep = Keep(checkpoint, folder) if checkpoint and folder is not None else None
-    with nullcontext() if keep is None else claimed(keep.folder):
+    with (
+        nullcontext() if keep is None else claimed(keep.folder),
+        progressing(progress, experiment.name, "cycles") as show,
+    ):
         (run,) = simulate_plans(
             [plan],
             Alone,
             interpret=interpret,
             start=start,
-            progress=progress,
+            progress=show,
             stop=stop,
             keep=keep,
             resume=resume,
@@ -130,7 +131,7 @@ def simulate_many(
     *,
     threads: int = 0,
     strict: bool = False,
-    progress: Progress | None = None,
+    progress: Asked = None,
 ) -> list[Run]:
     """Simulate many experiments together, on all cores, through `mujoco.batch`.
 
@@ -141,7 +142,8 @@ def simulate_many(
         experiments: what to simulate.
         threads: how many to use; 0 for all cores.
         strict: refuse them all if one will diverge, where it would be a note else.
-        progress: called after each cycle with the cycles done and the cycles in all experiments.
+        progress: called after each cycle with the cycles done and the cycles in all experiments; a
+            bar in a terminal or a notebook if not given, nothing for False.
 
     Returns:
         The runs, in the order of the experiments.
@@ -159,7 +161,8 @@ def simulate_many(
         if strict:
             plan.refuse_unstable()
         _ = plan.notes  # what cannot be made is refused before the first step of any
-    return simulate_together(plans, threads=threads, progress=progress)
+    with progressing(progress, f"{len(plans)} experiments", "cycles") as show:
+        return simulate_together(plans, threads=threads, progress=show)
 
 
 def simulate_together(

@@ -6,7 +6,7 @@ import io
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from ..experiments.sweeping import Sweep, load_sweep, sweep_of
 from ..files import write
 from ..plan.inputs import gather
 from ..plan.plan import Followed, plan_for
+from ..progress import Asked, Progress, progressing
 from ..results.run import versions
 from ..simulation.simulation import simulate_together
 from . import dataset
@@ -31,9 +32,6 @@ SHARD = 16
 
 WHOLE, TABLE, SETTINGS = "sweep.nc", "summary.csv", "sweep.json"
 """Files of a finished sweep, and the one that says of which sweep a folder is."""
-
-Progress = Callable[[int, int, int], None]
-"""Called with the experiments done, those in all, and those of which the run is not ok."""
 
 
 def sweep(
@@ -47,7 +45,7 @@ def sweep(
     folder: str | os.PathLike[str] | None = None,
     threads: int = 0,
     yes: bool = False,
-    progress: Progress | None = None,
+    progress: Asked = None,
 ) -> xr.Dataset:
     """Simulate an experiment with many values of some of its keys.
 
@@ -65,7 +63,9 @@ def sweep(
         folder: where shards and the result are written; nothing is if None.
         threads: how many to simulate with; 0 for all cores.
         yes: allow a grid of more than a million experiments.
-        progress: called as experiments are done.
+        progress: called as experiments are done with how many are, how many there are, and how many
+            of those done are not ok; a bar in a terminal or a notebook if not given, nothing for
+            False.
 
     Returns:
         Dimensions named after the keys of a grid, else `run`; motion, joint and cycle. Per motion
@@ -88,8 +88,11 @@ def sweep(
         values |= {"method": method, "seed": seed, "count": count}
         settings = sweep_of(values, f"sweep of {name}")
     experiments = settings.experiments(base, yes=yes)
-    with claimed(folder) if folder else nullcontext() as at:
-        return _swept(settings, experiments, at, threads, progress)
+    with (
+        claimed(folder) if folder else nullcontext() as at,
+        progressing(progress, f"sweep of {settings.experiment}", "runs") as show,
+    ):
+        return _swept(settings, experiments, at, threads, show)
 
 
 def _swept(
@@ -97,7 +100,7 @@ def _swept(
     experiments: Sequence[Experiment],
     folder: Path | None,
     threads: int,
-    progress: Progress | None,
+    progress: Progress,
 ) -> xr.Dataset:
     shards = [experiments[i : i + SHARD] for i in range(0, len(experiments), SHARD)]
     made = _Made()
@@ -116,9 +119,7 @@ def _swept(
             if folder is not None:
                 write(folder / "shards", {name: dataset.written(kept)})
         outcomes += kept
-        if progress:
-            bad = sum(one.status != "ok" for one in outcomes)
-            progress(len(outcomes), len(experiments), bad)
+        progress(len(outcomes), len(experiments), sum(one.status != "ok" for one in outcomes))
     found = dataset.of(settings, outcomes).assign_attrs(key=whole)
     if folder is not None:
         write(

@@ -9,12 +9,11 @@ import numpy as np
 
 from ...errors import PictureError
 from ...files import could_be_replaced
+from ...progress import Asked, progressing
 from ...results.run import Run
 from ...text import cut, listed, one_line
 from . import crew, encoding, frame_data, plots
 from .options import RenderOptions
-
-Progress = Callable[[int, int], None]
 
 FPS = (0.1, 1000.0)
 """Least and most frames per second."""
@@ -33,7 +32,7 @@ def render(
     options: RenderOptions | None = None,
     labels: Sequence[str] | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: Asked = None,
     note: Callable[[str], None] | None = None,
 ) -> Path:
     """Film a run, or two or more side by side and in step.
@@ -48,7 +47,8 @@ def render(
         options: size, camera, background and what is drawn; all has defaults.
         labels: what the picture calls each run; the experiments' names.
         workers: processes that draw; one per core.
-        progress: is called with the number of frames done and that of all.
+        progress: is called with the number of frames done and that of all; a bar in a terminal or a
+            notebook if not given, nothing for False.
         note: is called with each line that the user should know.
 
     Returns:
@@ -94,7 +94,7 @@ def film(
     options: RenderOptions | None = None,
     labels: Sequence[str] | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: Asked = None,
     note: Callable[[str], None] | None = None,
 ) -> Path:
     """Film runs at given times, which need not follow each other evenly.
@@ -108,7 +108,8 @@ def film(
         options: as for `render`; so are the following.
         labels: one for each run.
         workers: processes that draw.
-        progress: is called with the number of frames done and that of all.
+        progress: is called with the number of frames done and that of all; a bar in a terminal or a
+            notebook if not given, nothing for False.
         note: is called with each line that the user should know.
 
     Returns:
@@ -134,11 +135,11 @@ def film(
     with (
         crew.drawn(taken, below, options, workers, note) as frames,
         encoding.encoder(path, options.size, fps, options.channels) as encode,
+        progressing(progress, path.name, "frames") as show,
     ):
         for number, pixels in enumerate(frames):
             encode(pixels)
-            if progress:
-                progress(number + 1, len(times))
+            show(number + 1, len(times))
     return path
 
 

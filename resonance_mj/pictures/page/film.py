@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import PictureError
+from ...progress import Progress
 from ...results.run import Run
 from ..film import encoding, frame_data, video
 from ..film.options import RenderOptions
@@ -78,7 +79,7 @@ def plan(runs: Sequence[Run], labels: Sequence[str]) -> Film:
     return Film(shown, tuple(labels)[: len(shown)], times, speed, scenes, SIZES[len(shown)])
 
 
-def shoot(planned: Film, progress: video.Progress) -> Film:
+def shoot(planned: Film, progress: Progress) -> Film:
     """Film what was planned.
 
     Raises:

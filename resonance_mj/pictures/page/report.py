@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...errors import OutputError, PictureError, RobotError
 from ...files import could_be_replaced, replacing, writable
+from ...progress import Asked, Progress, progressing
 from ...results.run import Run
 from ...text import told_apart
 from ..figures import catalogue
@@ -16,7 +17,6 @@ from .content import Content, Figures, differences
 from .page import html, inline
 from .scene import Shown, scene
 
-Progress = Callable[[int, int], None]
 Given = Run | str | os.PathLike[str]
 """A run, or the folder that it was saved to."""
 
@@ -28,7 +28,7 @@ def report(
     video: bool = True,
     title: str | None = None,
     labels: Sequence[str] | None = None,
-    progress: Progress | None = None,
+    progress: Asked = None,
     note: Callable[[str], None] | None = None,
 ) -> Path:
     """Write a report of a run, or of two or more beside each other, as one HTML file.
@@ -46,7 +46,8 @@ def report(
         title: of the page; the names of the runs if not given.
         labels: what the page calls each run; the experiments' names, and the keys that differ
             where these are alike.
-        progress: is called with the number of pictures done and that of all.
+        progress: is called with the number of pictures done and that of all; a bar in a terminal or
+            a notebook if not given, nothing for False.
         note: is called with each line that the user should know.
 
     Returns:
@@ -72,14 +73,32 @@ def report(
     names = labels or told_apart(
         [one.experiment.name for one in runs], [one.experiment.model_dump() for one in runs]
     )
+    note = note or (lambda line: None)
+    with progressing(progress, path.name, "pictures") as show:
+        page = _page(runs, folders, names, title, video, show, note)
+    writable(path.parent)
+    with replacing(path) as beside:
+        beside.write_text(page, encoding="utf-8")
+    return path
+
+
+def _page(
+    runs: Sequence[Run],
+    folders: Sequence[Path | None],
+    names: Sequence[str],
+    title: str | None,
+    video: bool,
+    progress: Progress,
+    note: Callable[[str], None],
+) -> str:
+    """The page as text; arguments as of `report`, all given."""
+    alone = len(runs) == 1
     of_each = [catalogue.fitting([one]) for one in runs]
     of_all = [] if alone else [entry for entry in catalogue.fitting(runs) if entry.several]
     figures, frames = len(of_all) + sum(map(len, of_each)), 0
-    progress = progress or (lambda done, of: None)
     film, said = None, ""
     if video:
         film, said, frames = _filmed(runs, names, lambda done, of: progress(done, of + figures))
-    note = note or (lambda line: None)
     turned, lacks = _scene(runs, names, note) if alone else (None, "")
     done = count(frames + 1)
 
@@ -97,7 +116,7 @@ def report(
             runs, names, anchors, folders, of_each, strict=True
         )
     ]
-    shown = html(
+    page = html(
         title=title or " beside ".join(names),
         contents=contents,
         shared=drawn(of_all, runs, "all"),
@@ -108,10 +127,7 @@ def report(
     )
     if said := said or lacks:  # what hinders the one hinders the other
         note(said)
-    writable(path.parent)
-    with replacing(path) as beside:
-        beside.write_text(shown, encoding="utf-8")
-    return path
+    return page
 
 
 def _scene(
