@@ -6,13 +6,34 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from typing import Any
+from typing import Any, Self
 
 MINUS, NARROW, NOTHING = "−", "\u202f", "–"
 """A real minus sign, the space between a number and its unit, and a number that there is not."""
 
 
-class Caution(str):
+class Note(str):
+    """What is said of an arm, a motion or a run: a line, whole wherever a text is.
+
+    Args:
+        head: what all need to know, a short line.
+        more: the rest, behind the head.
+        whole: the whole line, where it is not the head and the rest.
+
+    Attributes:
+        head: alone, where notes are to be short.
+    """
+
+    head: str
+
+    def __new__(cls, head: str, more: str = "", *, whole: str = "") -> Self:
+        """The whole line."""
+        note = super().__new__(cls, whole or f"{head}{more}")
+        note.head = getattr(head, "head", str(head))
+        return note
+
+
+class Caution(Note):
     """A note that lets one expect trouble, of which users are warned."""
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import resonance_mj as rmj
 from resonance_mj import library
+from resonance_mj.cli import main
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.plan.plan import plan_for
 
@@ -72,3 +73,18 @@ def test_what_damping_takes_is_said_where_it_leaves_little_to_springs(damping, t
     if lines:
         assert f"{100 * share:.0f}" in lines[0]
         assert share < 1 - best.torque_reduction + 0.01
+
+
+def test_notes_are_short_on_the_command_line_and_whole_where_it_is_asked(capsys, tmp_path):
+    short = ["run", "paper", "--motion.0.duration", "1", "--motion.1.duration", "1"]
+    short += ["--out", str(tmp_path)]
+    main(short)
+    brief = capsys.readouterr().out
+    main([*short, "--explain"])
+    explained = capsys.readouterr().out
+    assert "warning: learning diverges about cycle 250" in brief
+    assert "would not diverge … (more: --explain)" in brief
+    assert "fastest, by" not in brief
+    assert "fastest, by" in explained
+    assert "--explain" not in explained
+    assert any("fastest, by" in note for note in rmj.Run.load(tmp_path).notes)

@@ -44,6 +44,7 @@ def flag(name: str, meaning: str) -> Argument:
     return argument(name, meaning, action="store_true")
 
 
+EXPLAIN = flag("--explain", "say the whole of each note and warning, not its first line")
 QUIET = flag("--quiet", "print nothing but what goes wrong")
 JSON = flag("--json", "print the figures as JSON and nothing else")
 
@@ -59,7 +60,7 @@ def command(
         figures: whether it prints a table, and takes --json.
         more: what its help says below the options.
     """
-    every = (*arguments, *([JSON] if figures else []), QUIET)
+    every = (*arguments, *([EXPLAIN] if keys else []), *([JSON] if figures else []), QUIET)
     return lambda execute: Command(execute, every, keys, more)
 
 
@@ -77,6 +78,7 @@ class Screen:
         from rich.console import Console
 
         self._json = getattr(options, "json", False)
+        self._explains, self._hinted = getattr(options, "explain", True), False
         quiet = self._json or getattr(options, "quiet", False)
         self.console = Console(markup=False, highlight=False, quiet=quiet)
 
@@ -94,9 +96,13 @@ class Screen:
         self.console.print(str(text), soft_wrap=True)
 
     def note(self, text: str) -> None:
-        """Print a note or a warning, at the width of the terminal if it is one."""
+        """Print a note or a warning, in short if there is --explain to see the rest."""
         warns = isinstance(text, Caution)
-        line = f"  {'warning' if warns else 'note'}: {text}"
+        said = text if self._explains else getattr(text, "head", text)
+        if said != text:
+            said += " …" if self._hinted else " … (more: --explain)"
+            self._hinted = True
+        line = f"  {'warning' if warns else 'note'}: {said}"
         if self.console.is_terminal:
             line = textwrap.fill(line, self.console.width, subsequent_indent="    ")
         self.console.print(line, soft_wrap=True, style="yellow" if warns else None)

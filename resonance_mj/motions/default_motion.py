@@ -10,7 +10,7 @@ from ..experiments.motion_section import Motion
 from ..robots.reach import reach
 from ..robots.touching import touching
 from ..springs.bounds import Bounds, per_joint
-from ..text import length
+from ..text import Note, length
 from . import motion as motions
 from .kinematics import TOLERANCE, Kinematics
 from .margins import (
@@ -100,8 +100,11 @@ def filled_in(
             fitting = beside
             away = np.subtract(fitting.center or (), motion.center or ())
             notes.append(
-                f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
-                f"tool at home, where there is no room for it: {error.reason}"
+                Note(
+                    f"motion.{index}: its center is {length(float(np.linalg.norm(away)))} from the "
+                    "tool at home, where there is no room for it",
+                    f": {error.reason}",
+                )
             )
         filled.append(fitting)
     return experiment.model_copy(update={"motion": tuple(filled)})

@@ -14,7 +14,7 @@ from ..laws.gains import Gains, adaptation
 from ..laws.laws import Law, listens
 from ..robots.robot import Robot
 from ..springs.optimum import Optimum
-from ..text import joined, shown
+from ..text import Note, joined, shown
 
 GROWTH = 12
 """Cycles over which a motion grows that the motors cannot make before springs help them."""
@@ -130,8 +130,10 @@ def growing(
             cycles = min(GROWTH, (motion.cycles + more) // 2)
             update = {"blend": cycles, "duration": motion.duration + more * motion.period}
             notes.append(
-                f"motion.{index} grows over {cycles} cycles while springs take over what "
-                f"{joined(weak)} cannot give without them (motion.{index}.blend)"
+                Note(
+                    f"motion.{index} grows over {cycles} cycles (motion.{index}.blend)",
+                    f": springs take over what {joined(weak)} cannot give without them",
+                )
             )
         filled[index] = motion.model_copy(update=update)
     return experiment.model_copy(update={"motion": tuple(filled)})

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..motions.kinematics import JointMotion, Kinematics
-from ..text import joined
+from ..text import Note, joined
 from .filling import growing
 
 if TYPE_CHECKING:
@@ -50,9 +50,12 @@ def softened(plan: Plan, notes: list[str]) -> Plan:
     softer = np.maximum(np.where(stiff, np.minimum(greatest, most), greatest), least)
     names = [joint for joint, is_stiff in zip(plan.robot.joints, stiff, strict=True) if is_stiff]
     notes.append(
-        f"springs of {joined(names)} are at most {', '.join(f'{k:.3g}' for k in softer[stiff])} "
-        f"N m/rad: stiffer ones are unstable at a time step of {dt:g} s, where these joints alone "
-        "feel little inertia; a shorter simulation.timestep allows more"
+        Note(
+            f"springs of {joined(names)} are at most "
+            f"{', '.join(f'{k:.3g}' for k in softer[stiff])} N m/rad at a time step of {dt:g} s",
+            ": stiffer ones are unstable, where these joints alone feel little inertia; a shorter "
+            "simulation.timestep allows more",
+        )
     )
     gains = replace(plan.gains, bounds=bounds._replace(stiffness=(least, softer)))
     return replace(plan, gains=gains)

@@ -16,7 +16,7 @@ from ..springs import program
 from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, columns
 from ..springs.optimum import Optimum
-from ..text import Caution, joined, percent
+from ..text import Caution, Note, joined, percent
 
 ANALYSED = ("learning", "fixed", "paper", "transfer")
 """Laws whose learning is from the task-space y of (8): what `divergence` predicts."""
@@ -42,15 +42,15 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
         found: the joint motions.
         optima: their optima.
     """
-    said = []
+    said: list[str] = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         name = f"motion.{index}"
         sudden = jerk(kinematics, joints)
         if sudden:
-            said.append(
-                f"{name} comes near a singular pose: {sudden.said(kinematics.robot.joints)}: give "
-                "another center, size or home"
-            )
+            why = sudden.said(kinematics.robot.joints)
+            advice = "give another center, size or home"
+            head = f"{name} comes near a singular pose"
+            said.append(Note(f"{head}: {advice}", whole=f"{head}: {why}: {advice}"))
         said += _beyond_ranges(name, kinematics.robot, joints)
         said += _touching(name, kinematics.robot, joints)
         said += _weak_motors(name, kinematics.robot, best)
@@ -63,17 +63,18 @@ def lost(loaded: list[Kinematics], found: list[JointMotion], optima: list[Optimu
 
     Arguments as of `before`.
     """
-    said = []
+    said: list[str] = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         robot = kinematics.robot
         resisted = robot.damping * joints.dq + robot.friction * np.sign(joints.dq)
         without = best.torque_squared_without_springs
         share = float((resisted**2).sum(axis=1).mean()) / without if without else 0.0
         if share > WASTED and best.torque_reduction < 1 - WASTED:
-            said.append(
+            head = (
                 f"along motion.{index} damping and dry friction alone take {percent(share, 0)} of "
-                "torque² without springs, and no spring can carry them"
+                "torque² without springs"
             )
+            said.append(Note(head, ", and no spring can carry them"))
     return said
 
 
@@ -89,8 +90,10 @@ def _alike(name: str, robot: Robot, joints: JointMotion, bounds: Bounds) -> list
     some = [label for label, one in zip(labels, adjusted, strict=True) if one]
     which = list(dict.fromkeys(some[at] for at in program.alike(torque, robot.n)))
     return [
-        f"along {name} {joined(which)} cannot be told apart: what they exert together is adjusted, "
-        "with the least of each"
+        Note(
+            f"along {name} {joined(which)} cannot be told apart",
+            ": what they exert together is adjusted, with the least of each",
+        )
     ] * (len(which) > 1)
 
 
@@ -99,7 +102,8 @@ def held(robot: Robot, springs: LinearSprings | None) -> list[str]:
     if springs is None:
         return []
     names = [joint for joint, k in zip(robot.joints, springs.stiffness, strict=True) if k]
-    return [f"springs hold {joined(names)} at home from the first step: motors alone hardly could"]
+    head = f"springs hold {joined(names)} at home from the first step"
+    return [Note(head, ": motors alone hardly could")]
 
 
 def unstable(
@@ -117,7 +121,7 @@ def unstable(
     learns: list[Divergence | None] = [None] * len(found)
     if experiment.law.kind in ANALYSED:
         learns = divergences(experiment, loaded, gains, found, optima, q_c)
-    said = []
+    said: list[str] = []
     for index, (joints, why) in enumerate(zip(found, learns, strict=True)):
         name, motion = f"motion.{index}", experiment.motion[index]
         said += _unstable_feedback(name, experiment, loaded[index], gains, joints)
@@ -145,8 +149,11 @@ def _beyond_ranges(name: str, robot: Robot, joints: JointMotion) -> list[str]:
     low, high = robot.model.jnt_range[robot.joint_id].T
     least, most = joints.q.min(axis=0), joints.q.max(axis=0)
     return [
-        f"{name} takes {robot.joints[j]} from {least[j]:.3g} to {most[j]:.3g}, beyond its range, "
-        f"{low[j]:.3g} to {high[j]:.3g}: give another center, size or home"
+        Note(
+            f"{name} takes {robot.joints[j]} from {least[j]:.3g} to {most[j]:.3g}, beyond its "
+            f"range, {low[j]:.3g} to {high[j]:.3g}",
+            ": give another center, size or home",
+        )
         for j in np.flatnonzero(((least < low) | (most > high)) & robot.limited)
     ]
 
@@ -155,8 +162,10 @@ def _touching(name: str, robot: Robot, joints: JointMotion) -> list[str]:
     """What touches along a motion."""
     found = touching(robot.model, robot.positions(_poses(joints)))
     return [
-        f"along {name} {touch}, for {percent(touch.share, 0)} of it: give another center, size or "
-        f"home, or {PASSING}"
+        Note(
+            f"along {name} {touch}, for {percent(touch.share, 0)} of it",
+            f": give another center, size or home, or {PASSING}",
+        )
         for touch in found
     ]
 
@@ -168,13 +177,19 @@ def _weak_motors(name: str, robot: Robot, best: Optimum) -> list[str]:
     peaks = np.stack([best.torque.max(axis=0), -best.torque.min(axis=0)], axis=1)
     limits = np.stack([high, -low], axis=1)
     return [
-        f"{name} asks {robot.joints[j]} for {peaks[j, side]:.3g} N m even with the best springs, "
-        f"and its motor gives {limits[j, side]:g}"
-        + (f", {peaks[j, side] / limits[j, side]:.1f} times less" if limits[j, side] > 0 else "")
-        + ": slow the motion down or make it smaller"
+        Note(
+            f"{name} asks {robot.joints[j]} for {peaks[j, side]:.3g} N m even with the best "
+            f"springs, and its motor gives {limits[j, side]:g}",
+            _times_less(peaks[j, side], limits[j, side])
+            + ": slow the motion down or make it smaller",
+        )
         for j, side in enumerate((peaks - limits).argmax(axis=1))
         if peaks[j, side] > max(limits[j, side], 0.0)
     ]
+
+
+def _times_less(needed: float, given: float) -> str:
+    return f", {needed / given:.1f} times less" if given > 0 else ""
 
 
 def _unstable_feedback(
@@ -197,10 +212,14 @@ def _unstable_feedback(
         return []
     most = 1.0 / max(_fastest(limit * M - D - constant, scaled), 1e-300)
     key, value = ("law.omega", gains.omega) if k_v is None else ("law.k_v", np.max(k_v))
+    what = f"{key} = {value:g} is unstable when sampled along {name}"
+    cure = f"the largest stable {key} is {value * most:.3g}"
     return [
-        f"{key} = {value:g} is unstable when sampled along {name}: its fastest mode, "
-        f"{highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; the largest stable {key} is "
-        f"{value * most:.3g}"
+        Note(
+            f"{what}: {cure}",
+            whole=f"{what}: its fastest mode, {highest:.0f} 1/s, exceeds 2/dt = {limit:.0f} 1/s; "
+            f"{cure}",
+        )
     ]
 
 
@@ -232,12 +251,14 @@ def _diverging(
     )
     percent = float(f"{100 * grows.growth:.2g}")
     ends = f"of {cycles}" if grows.cycle <= cycles else f"and this run ends at cycle {cycles}"
-    return (
-        f"learning diverges {when} of such a motion as {name}, {ends}: with {key} = {value:g} and "
-        f"law.lead = {gains.lead} harmonics of 1/T from {grows.first} on grow, {grows.fastest} "
-        f"({grows.fastest / period:g} Hz) fastest, by {percent:g} % in a cycle; "
-        + (f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller")
-        + (f"; the law looks for them itself {LISTENS}" if listens(law) else "")
+    cure = f"{' or '.join(cures)} would not diverge" if cures else f"{key} must be smaller"
+    what = f"learning diverges {when} of such a motion as {name}, {ends}"
+    return Note(
+        f"{what}: {cure}",
+        whole=f"{what}: with {key} = {value:g} and law.lead = {gains.lead} harmonics of 1/T from "
+        f"{grows.first} on grow, {grows.fastest} ({grows.fastest / period:g} Hz) fastest, by "
+        f"{percent:g} % in a cycle; {cure}"
+        + (f"; the law looks for them itself {LISTENS}" if listens(law) else ""),
     )
 
 

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from ..text import listed
+from ..text import Note, listed
 from .touching import FAR, called, contacts, distance
 
 
@@ -81,8 +81,10 @@ def let_overlaps_pass(
         notes.append(f"neighbours that overlap at home do not collide: {listed(passing)}")
     if others:
         notes.append(
-            f"in contact at home: {listed(others)}; give a robot.home without, or robot.contacts = "
-            "false lets all bodies pass"
+            Note(
+                f"in contact at home: {listed(others)}",
+                "; give a robot.home without, or robot.contacts = false lets all bodies pass",
+            )
         )
 
 

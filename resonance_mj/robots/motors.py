@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from ..text import listed
+from ..text import Note, listed
 
 BOUNDED = (
     mujoco.mjtDyn.mjDYN_NONE,
@@ -99,8 +99,10 @@ def replace(spec: mujoco.MjSpec, model: mujoco.MjModel, chain: list[int], notes:
         low, high = torque_limit(model, [(j, 1.0)]) or NO_LIMIT
         if low >= 0 or high <= 0:
             notes.append(
-                f"the motor of {model.joint(j).name} gives {low:g} to {high:g} N m: it can turn "
-                "the joint one way only"
+                Note(
+                    f"the motor of {model.joint(j).name} gives {low:g} to {high:g} N m",
+                    ": it can turn the joint one way only",
+                )
             )
 
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ..errors import RobotError
-from ..text import listed, shown
+from ..text import Note, listed, shown
 from . import chain, couplings
 
 
@@ -45,8 +45,10 @@ def joints(
     base = chain.mobile_base(model, rest)
     if base:
         notes.append(
-            f"joints {listed(names[j] for j in base)} move the arm's base and are held; "
-            "robot.joints takes them in"
+            Note(
+                f"joints {listed(names[j] for j in base)} move the arm's base and are held",
+                "; robot.joints takes them in",
+            )
         )
         rest = rest[len(base) :]
     driven = _driven(model)
@@ -55,8 +57,11 @@ def joints(
     idle = [j for j in rest if j not in driven]
     if idle and len(idle) < len(rest):
         notes.append(
-            f"joints {listed(names[j] for j in idle)} are turned by no actuator of the file and "
-            "are held; robot.joints takes them in"
+            Note(
+                f"joints {listed(names[j] for j in idle)} are turned by no actuator of the file "
+                "and are held",
+                "; robot.joints takes them in",
+            )
         )
         rest = [j for j in rest if j in driven]
     return rest

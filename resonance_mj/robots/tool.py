@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from ..errors import RobotError
-from ..text import listed, shown
+from ..text import Note, listed, shown
 from . import arms, chain
 from .names import UNNAMED, is_sensor, usual
 
@@ -67,8 +67,10 @@ def find_tools(
         worth = [one for one in branches if one is branches[0] or len(one.names) > 1]
         if len(worth) > 1:
             notes.append(
-                f"arms: {arms.described(worth)}; the first is taken, robot.arm or robot.tool "
-                "takes another"
+                Note(
+                    f"arms: {arms.described(worth)}; the first is taken",
+                    ", robot.arm or robot.tool takes another",
+                )
             )
     else:
         named = [tool for tool in tools if tool.name == given]
