@@ -19,6 +19,7 @@ from resonance_mj import cli
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures import palette
 from resonance_mj.pictures.figures import catalogue, path, springs
+from resonance_mj.pictures.figures.style import Look
 from resonance_mj.results.cycles import kept
 
 SHORT = {
@@ -137,7 +138,7 @@ def test_every_panel_says_what_it_shows_in_which_unit(runs, robot, name):
 def test_there_is_a_panel_for_each_joint_and_coordinate(runs):
     for name, joints, axes in (("two-link-transfer", 2, 2), ("scara", 4, 3), ("seven-joint", 7, 3)):
         motions = len(runs[name].experiment.motion)
-        assert len(drawn("overview", [runs[name]]).axes) == axes + 3 * joints + 1
+        assert len(drawn("overview", [runs[name]]).axes) == axes + 4 * joints + 1
         assert len(drawn("springs", [runs[name]]).axes) == joints * motions
         assert len(drawn("path", [runs[name]]).axes) == 2 * motions
         assert len(drawn("cycles", [runs[name]]).axes) == 2
@@ -450,3 +451,69 @@ def test_the_help_names_every_figure_and_needs_nothing_to_draw_with():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", OF_ONE)
+@pytest.mark.parametrize("size", [6.0, 10.0])
+def test_letters_of_another_size_and_family_touch_nothing_either(runs, name, size):
+    asked = Look(titled=True, font="serif", font_size=size)
+    for width in WIDTHS:
+        figure = catalogue.named(name).draw([runs["two-link-transfer"]], width, asked)
+        FigureCanvasAgg(figure)
+        figure.draw_without_rendering()
+        assert_readable(figure)
+        titles = [ax.title for ax in figure.axes] + [ax._left_title for ax in figure.axes]
+        assert {text.get_fontsize() for text in titles} <= {size, size * 7 / 8}
+        assert {text.get_fontfamily()[0] for text in titles} == {"serif"}
+
+
+def test_a_figure_is_as_high_as_asked_and_says_when_it_cannot_be(runs, tmp_path):
+    run = runs["two-link-transfer"]
+    (file,) = rmj.plot(run, tmp_path, figures=["cycles"], formats=["png"], height=4.0, dpi=100)
+    with Image.open(file) as picture:
+        assert picture.size == (716, 400)
+    with pytest.raises(PictureError, match=r"height 1\.2: this figure's panels need at least"):
+        rmj.plot(run, tmp_path, figures=["cycles"], height=1.2)
+
+
+def test_what_was_run_stands_above_a_figure_if_it_is_asked_for_or_went_wrong(runs, diverged):
+    entry, run = catalogue.named("cycles"), runs["two-link-transfer"]
+    assert entry.draw([run]).get_suptitle() == ""
+    assert entry.draw([run], asked=Look(titled=True)).get_suptitle().startswith("two-link-transfer")
+    assert entry.draw([diverged]).get_suptitle().endswith("; diverged")
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"font": "Comic Hans"}, "'Comic Hans' is not installed"),
+        ({"font_size": 40.0}, "give points from 5 to 16"),
+        ({"height": float("nan")}, "give inches from 1 to 20"),
+    ],
+)
+def test_what_a_figure_cannot_look_like_is_refused_before_it_is_drawn(runs, tmp_path, asked, words):
+    with pytest.raises(PictureError, match=words):
+        rmj.plot(runs["scara"], tmp_path / "none", **asked)
+    assert not (tmp_path / "none").exists()
+
+
+def test_equilibrium_angles_are_shown_beside_the_optimum_s(runs):
+    run = runs["two-link-transfer"]
+    figure = drawn("overview", [run])
+    (ax,) = [ax for ax in figure.axes if "qₑ of joint1" in ax.get_title(loc="left")]
+    (line,) = lines_of(ax, palette.MEASURED)
+    assert line.get_ydata()[-1] == pytest.approx(run.data["equilibrium"].values[-1, 0], rel=1e-3)
+    (best,) = [each for each in ax.collections if len(each.get_segments()) == 2]
+    heights = [segment[0, 1] for segment in best.get_segments()]
+    assert heights == pytest.approx(run.data["equilibrium_optimal"].values[:, 0].tolist())
+
+
+def test_what_is_small_beside_the_other_joints_fills_no_panel(runs):
+    run = runs["two-link-transfer"]
+    noise = 1e-12 * np.random.default_rng(0).standard_normal(run.data.sizes["time"])
+    data = run.data.copy(deep=True)
+    data["tau"].values[:, 1] = noise
+    data["tau_optimal"].values[:, 1] = 0.0
+    figure = catalogue.named("overview").draw([replace(run, data=data)])
+    other, quiet = [ax for ax in figure.axes if "motor torque" in ax.get_title(loc="left")]
+    assert np.ptp(quiet.get_ylim()) > 0.01 * np.ptp(other.get_ylim())

@@ -79,6 +79,10 @@ def _chosen(options: Namespace, **more: Any) -> rmj.RenderOptions:
     argument("--format", "any of svg,png,pdf; svg,png", metavar="KIND", default=",".join(FORMATS)),
     argument("--width", "column, page, or inches; page: 7.16", metavar="WIDTH", default="page"),
     argument("--dpi", f"pixels per inch of a PNG; {DPI:g}", metavar="N", type=float, default=DPI),
+    argument("--height", "inches; what the panels need", metavar="INCHES", type=float),
+    flag("--title", "say above a figure what was run"),
+    argument("--font", "family of the letters; matplotlib's own", metavar="NAME"),
+    argument("--font-size", "of labels [pt]; 8", metavar="PT", type=float, default=8.0),
     argument("--out", "where to write; the first run's folder", metavar="FOLDER", type=Path),
 )
 def plot(options: Namespace) -> None:
@@ -96,6 +100,10 @@ def plot(options: Namespace) -> None:
         formats=options.format.split(","),
         width=options.width,
         dpi=options.dpi,
+        height=options.height,
+        title=options.title,
+        font=options.font,
+        font_size=options.font_size,
     )
     screen = Screen(options)
     for path in written:

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, cast
 
 from ...errors import PictureError
 from ...files import replacing, writable
-from ...text import nearest, shown
+from ...text import listed, nearest, shown
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
     from ...results.run import Run
+    from .style import Look
 
 COLUMN, PAGE = 3.5, 7.16
 """Widths of a column and of a page with two columns in IEEE's journals [in]."""
@@ -33,6 +34,12 @@ DPI, DRAFT = 300.0, 170.0
 
 NARROWEST, WIDEST = 3.0, 20.0
 """Widths of a figure [in]."""
+
+LOWEST, SMALLEST, LARGEST = 1.0, 5.0, 16.0
+"""Least height of a figure [in], and sizes of its letters [pt]."""
+
+GENERIC = ("serif", "sans-serif", "monospace")
+"""Families of which matplotlib chooses the font."""
 
 COARSEST, FINEST = 50, 1200
 """Pixels per inch of a PNG."""
@@ -82,15 +89,16 @@ class Entry:
                 return f"needs {self.needs}, and the run {run.experiment.name} has none"
         return ""
 
-    def draw(self, runs: Sequence[Run], width: float = PAGE) -> Figure:
+    def draw(self, runs: Sequence[Run], width: float = PAGE, asked: Look | None = None) -> Figure:
         """Draw it.
 
         Args:
             runs: one run, or several where the figure shows several.
             width: of the figure [in].
+            asked: what else is asked of it.
 
         Returns:
-            The figure, `width` wide and as high as it must be.
+            The figure, `width` wide and as high as it must be, or as is asked.
 
         Raises:
             PictureError: it cannot be drawn of these runs.
@@ -101,7 +109,7 @@ class Entry:
         if lacks:
             raise PictureError(f"figure {self.name}: {lacks}")
         module = import_module(f".{self.name}", __package__)
-        with styled():
+        with styled(asked=asked):
             drawn: Figure = module.draw(runs if self.several else runs[0], width)
         return drawn
 
@@ -185,6 +193,10 @@ def plot(
     formats: Sequence[str] = FORMATS,
     width: str | float = "page",
     dpi: float = DPI,
+    height: float | None = None,
+    title: bool = False,
+    font: str | None = None,
+    font_size: float = 8.0,
 ) -> list[Path]:
     """Draw figures of a run, or several runs in one figure, and write them as files.
 
@@ -199,16 +211,22 @@ def plot(
         formats: any of svg, png and pdf.
         width: column (3.5 in), page (7.16 in), or inches.
         dpi: pixels per inch of a PNG; fewer where it would have more than 65 000 along a side.
+        height: of a figure [in]; what its panels need if None.
+        title: whether what was run stands above a figure. How a run ended that is not ok does so
+            in any case.
+        font: family of the letters, one that is installed, or serif, sans-serif or monospace;
+            matplotlib's own if None.
+        font_size: of titles and labels [pt]; numbers and the heading follow.
 
     Returns:
         The files that were written.
 
     Raises:
-        PictureError: a figure, format, width or resolution is not valid, or a run lacks what a
-            figure shows.
+        PictureError: a figure, format, width, height, font or resolution is not valid, or a run
+            lacks what a figure shows.
         OutputError: the folder cannot be written.
     """
-    wide = _inches(width)
+    wide, asked = _inches(width), _look(height, title, font, font_size)
     unknown = [kind for kind in formats if kind not in KINDS]
     if unknown or not formats:
         what = f"format {shown(unknown[0])} is unknown" if unknown else "no format is given"
@@ -219,14 +237,15 @@ def plot(
         from . import sweep_figure
 
         metrics = figures or ("torque_share", "cycles_to_optimum")
-        drawn = [(one, sweep_figure.figure(cast("xr.Dataset", runs), one, wide)) for one in metrics]
+        data = cast("xr.Dataset", runs)
+        drawn = [(one, sweep_figure.figure(data, one, wide, asked)) for one in metrics]
     else:
         several = list(cast("Iterable[Run]", runs)) if isinstance(runs, Iterable) else [runs]
         chosen = [named(name) for name in dict.fromkeys(figures or [])] or fitting(several)
         if not chosen:
             reasons = "; ".join(f"{one.name} {one.lacks(several)}" for one in FIGURES)
             raise PictureError(f"no figure can be drawn: {reasons}")
-        drawn = [(entry.stem or entry.name, entry.draw(several, wide)) for entry in chosen]
+        drawn = [(entry.stem or entry.name, entry.draw(several, wide, asked)) for entry in chosen]
     folder = writable(folder)
     return [path for stem, each in drawn for path in save(each, folder, stem, formats, dpi)]
 
@@ -274,6 +293,23 @@ def _inches(width: str | float) -> float:
             f"width {shown(width)}: give column, page, or inches from {NARROWEST:g} to {WIDEST:g}"
         )
     return found
+
+
+def _look(height: float | None, title: bool, font: str | None, size: float) -> Look:
+    """What a user asks of a figure."""
+    from matplotlib.font_manager import fontManager
+
+    from .style import Look
+
+    if height is not None and not LOWEST <= height <= WIDEST:
+        raise PictureError(f"height {shown(height)}: give inches from {LOWEST:g} to {WIDEST:g}")
+    if not SMALLEST <= size <= LARGEST:
+        raise PictureError(f"font size {shown(size)}: give points from {SMALLEST:g} to {LARGEST:g}")
+    known = [*GENERIC, *sorted({one.name for one in fontManager.ttflist})]
+    if font is not None and font not in known:
+        there = f"{nearest(font, known)}; there are {listed(known)}"
+        raise PictureError(f"font {shown(font)} is not installed{there}")
+    return Look(title, font, size, height)
 
 
 def _has(run: Run, needs: str) -> bool:

@@ -8,7 +8,7 @@ from ...evaluation.certificates.certificates import ROUNDING, Certificate, Certi
 from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
 from .catalogue import PAGE
 from .sheet import Row, Sheet
-from .style import one_of, remark, styled
+from .style import if_titled, one_of, remark, styled
 from .ticks import counted, even, logarithmic
 
 NARROW = 2.4
@@ -32,7 +32,7 @@ def figure(found: Certificates) -> Figure:
         max(PAGE, NARROW * len(reached)),
         [Row(1.3, 0.34, 0.34)] * len(rows),
         len(reached),
-        heading=f"{found.name}: certificates of the stability proof",
+        heading=if_titled(f"{found.name}: certificates of the stability proof"),
         legend={name: one_of(joint) for joint, name in enumerate(found.joints)},
         lettered=False,
     )

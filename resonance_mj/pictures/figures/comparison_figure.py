@@ -11,7 +11,7 @@ from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycles
 from .catalogue import PAGE
 from .sheet import Row, Sheet
-from .style import SMALL, styled
+from .style import if_titled, small, styled
 from .ticks import logarithmic
 
 LEGEND = 1.75
@@ -50,7 +50,7 @@ def figure(comparison: Comparison) -> Figure:
     sheet = Sheet(
         PAGE,
         [Row(1.7)] * (over_cycles + bool(long)),
-        heading=f"{comparison.experiment.name}: the same motions under {len(runs)} laws",
+        heading=if_titled(f"{comparison.experiment.name}: the same motions, {len(runs)} laws"),
         right=LEGEND,
     )
     axes = convergence.panels(sheet, runs, [LINES[law] for law in comparison.runs])
@@ -80,7 +80,7 @@ def figure(comparison: Comparison) -> Figure:
         loc="upper left",
         bbox_to_anchor=(1 - (LEGEND - 0.12) / PAGE, axes[0].get_position().y1),
         title="law, and its long run" if long else "law",
-        title_fontsize=SMALL,
+        title_fontsize=small(),
         alignment="left",
         handlelength=3.0,
         labelspacing=0.8,

@@ -11,7 +11,7 @@ from ...results.run import Run, Status
 from ...text import told_apart
 from . import cycles
 from .sheet import Row, Sheet
-from .style import BAND, LINES, Line, one_of
+from .style import BAND, LINES, Line, if_titled, one_of
 from .ticks import counted, logarithmic
 
 
@@ -29,7 +29,7 @@ def draw(runs: Sequence[Run], width: float) -> Figure:
     sheet = Sheet(
         width,
         [Row(1.7), *[Row(1.3)] * len(cycles.errors(runs))],
-        heading=f"Convergence of {len(runs)} runs",
+        heading=if_titled(f"Convergence of {len(runs)} runs"),
         legend=dict(zip(names, lines, strict=True)),
     )
     torque, *_ = panels(sheet, runs, lines)

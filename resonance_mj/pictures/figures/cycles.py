@@ -13,7 +13,7 @@ from ...results.run import Run, Status
 from ...text import length
 from ..palette import DESIRED, MUTED, OPTIMAL
 from .sheet import Row, Sheet, fitting, heading
-from .style import BAND, LABEL_BOX, LINES, SMALL, Line, remark
+from .style import BAND, LABEL_BOX, LINES, Line, remark, small
 from .ticks import breadth, counted, logarithmic
 from .time_axes import Piece, timed
 
@@ -150,7 +150,7 @@ def _reductions(ax: Axes, run: Run) -> None:
         height = motion.torque_squared_without_springs or ax.get_ylim()[0]
         remark(
             ax,
-            fitting(wordings, SMALL, width * motion.cycles.size - 0.06),
+            fitting(wordings, small(), width * motion.cycles.size - 0.06),
             (motion.cycles[-1] + 0.5, height),
             **{"xycoords": "data", "xytext": (-2, 3), "textcoords": "offset points"},
             **{"ha": "right", "color": DESIRED, "bbox": LABEL_BOX},

@@ -12,11 +12,12 @@ from ...text import minus, of_joint
 from ..spans import spans
 from .cycles import torque_squared
 from .sheet import Row, Sheet, abscissa_of_the_panel_below, fitting, heading, width_of
-from .style import LABEL_BOX, LINES, SMALL, remark
+from .style import LABEL_BOX, LINES, enlarged, remark, small
 from .ticks import breadth, even
 from .time_axes import Piece, timed
 
 TITLES = {
+    "equilibrium": ("equilibrium angle qₑ of {} [rad]", "qₑ of {} [rad]", "qₑ {} [rad]"),
     "x": ("tool position {} [m]", "tool {} [m]", "{} [m]"),
     "rotation": ("tool rotation {} [rad]", "tool {} [rad]", "{} [rad]"),
     "stiffness": ("stiffness k of {} [N m/rad]", "k of {} [N m/rad]", "k {} [N m/rad]"),
@@ -24,6 +25,16 @@ TITLES = {
     "tau": ("motor torque τ of {} [N m]", "τ of {} [N m]", "τ {} [N m]"),
 }
 """Wordings from long to short."""
+
+ADAPTED = ("stiffness", "offset", "equilibrium")
+"""What is drawn beside its optimum over the whole run."""
+
+HONEST = 0.02
+"""Least height of a panel as a share of the highest of its kind: below it all is noise."""
+
+WEAK, TURN = 1e-3, 4.0
+"""Stiffness as a share of the stiffest spring's below which a spring has no equilibrium to speak
+of; and how far from the optimum's an equilibrium is drawn, as a multiple of the joint's travel."""
 
 BESIDE = {"x": ("x_desired", "desired"), "tau": ("tau_optimal", "with optimal springs")}
 """What is drawn beside a signal, and as which line."""
@@ -43,13 +54,14 @@ def draw(run: Run, width: float) -> Figure:
     places, rows, columns = _places(len(axes), len(joints), width)
     sheet = Sheet(width, rows, columns, heading=heading(run), legend=LINES)
     windows = Windows(run)
+    heights = _heights(run)
     for (name, i), (row, column) in places.items():
         names = axes if name == "x" else joints
         slides = name != "x" and bool(data["slides"].values[i])
         kind = "rotation" if name == "x" and names[i].startswith("r") else name
         wordings = (of_joint(one, slides) for one in sheet.alike(TITLES[kind], names))
         ax = sheet.panel(row, column, *wordings, name=names[i])
-        if name in ("stiffness", "offset"):
+        if name in ADAPTED:
             _against_optimum(ax, run, name, i)
         else:
             beside, line = BESIDE[name]
@@ -58,7 +70,7 @@ def draw(run: Run, width: float) -> Figure:
             windows.label(ax)
         if name == "tau":
             _steady_limits(ax, run, i, of_joint("N m", slides))
-        even(ax)
+        even(ax, least=HONEST * heights[kind])
         if rows[row].below < Row(0).below:
             abscissa_of_the_panel_below(ax)
     torque_squared(sheet, len(rows) - 1, run, span=columns)
@@ -71,11 +83,11 @@ def _places(
     """Row and column of each panel, the rows, the last of which is torque², and the columns.
 
     Two joints stand side by side as in the paper, more of them below each other with a column each
-    for k, q̄_e and τ; where that is too narrow, in two columns.
+    for k, q̄_e, q_e and τ; where that is too narrow, in two columns.
     """
-    per_joint = ("stiffness", "offset", "tau")
-    if joints > 2 and width / 3 > SIDE_BY_SIDE:
-        columns, above = 3, -(-axes // 3)
+    per_joint = (*ADAPTED, "tau")
+    if joints > 2 and width / 4 > enlarged() * SIDE_BY_SIDE:
+        columns, above = 4, -(-axes // 4)
         places = {("x", i): divmod(i, columns) for i in range(axes)}
         for column, name in enumerate(per_joint):
             places |= {(name, j): (above + j, column) for j in range(joints)}
@@ -91,13 +103,35 @@ def _places(
     return places, [*rows, Row(1.1)], columns
 
 
+def _heights(run: Run) -> dict[str, float]:
+    """Of each kind of panel how much its signals vary, the one that varies most."""
+    rotates = np.char.startswith(run.data["axis"].values.astype(str), "r")
+    signals: dict[str, np.ndarray] = {
+        name: run.data[name].values for name in ("tau", "stiffness", "offset")
+    }
+    signals |= {"x": run.data["x_desired"].values[:, ~rotates]}
+    signals |= {"rotation": run.data["x_desired"].values[:, rotates]}
+    signals |= {"equilibrium": run.data["q"].values}
+    return {name: float(np.ptp(part, axis=0).max(initial=0.0)) for name, part in signals.items()}
+
+
 def _against_optimum(ax: Axes, run: Run, name: str, joint: int) -> None:
     """An adapted parameter over the whole run, with its optimum dashed."""
-    time, values = run.data["time"].values, run.data[name].values[:, joint]
+    data = run.data
+    time, values = data["time"].values, data[name].values[:, joint]
+    best, starts, ends = (data[key].values for key in (f"{name}_optimal", "start", "end"))
+    best = best[:, joint]
+    if name == "equilibrium":
+        least = WEAK * np.abs(data["stiffness"].values).max()
+        values = np.where(np.abs(data["stiffness"].values[:, joint]) > least, values, np.nan)
+        best = np.where(np.abs(data["stiffness_optimal"].values[:, joint]) > least, best, np.nan)
+        reach = TURN * max(float(np.ptp(data["q"].values[:, joint])), 1e-6)
+        known = best[np.isfinite(best)] if np.isfinite(best).any() else data["q"].values[:, joint]
+        near = (values >= known.min() - reach) & (values <= known.max() + reach)
+        values = np.where(near, values, np.nan)  # a weak spring's is anywhere
     keep = slice(None, None, max(1, time.size // 1000))
     ax.plot(time[keep], values[keep], **LINES["measured"])
-    best, starts, ends = (run.data[key].values for key in (f"{name}_optimal", "start", "end"))
-    ax.hlines(best[:, joint], starts, ends, **LINES["with optimal springs"])
+    ax.hlines(best, starts, ends, **LINES["with optimal springs"])
     ax.set_xlim(0, ends[-1])
     ax.set_xlabel("time [s]")
     timed(ax, [Piece(0.0, ends[-1], 0.0, ends[-1])])
@@ -119,7 +153,7 @@ def _steady_limits(ax: Axes, run: Run, joint: int, unit: str) -> None:
     if not low - margin <= torque[largest] <= high + margin:
         said = minus(f"peak {torque[largest]:.3g} {unit}")
         when = f"{said} at {data['time'].values[largest]:.2f} s"
-        remark(ax, fitting([when, said], SMALL, breadth(ax)), (0.01, 0.03), bbox=LABEL_BOX)
+        remark(ax, fitting([when, said], small(), breadth(ax)), (0.01, 0.03), bbox=LABEL_BOX)
 
 
 class Windows:
@@ -160,7 +194,7 @@ class Windows:
             whole = high - low >= 1
             locator = MaxNLocator(bins, steps=[1, 2, 5, 10], integer=whole, min_n_ticks=1)
             for tick in locator.tick_values(low, high):
-                place, half = tick - low + left, width_of(f"{tick:g}", SMALL) / 2 / room
+                place, half = tick - low + left, width_of(f"{tick:g}", small()) / 2 / room
                 if low - 1e-9 <= tick <= high + 1e-9 and place - half > taken + 0.04 / room:
                     ticks[place] = f"{tick:g}"
                     taken = place + half

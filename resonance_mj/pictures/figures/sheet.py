@@ -17,15 +17,19 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.lines import Line2D
 
-from ...results.run import Run
+from ...errors import PictureError
+from ...results.run import Run, Status
 from ...text import cut
-from .style import FONT, GAP, HANDLE, HEADING, SMALL, Line, remark
+from .style import FONT, GAP, HANDLE, HEADING, Line, enlarged, look, remark, small
 
 EDGE, RIGHT = 0.08, 0.12
 """Above the heading, and right of the panels [in]."""
 
 TITLE = 0.2
 """Above a panel, for its title [in]."""
+
+LOWEST = 0.35
+"""Height of the lowest panel where a height is asked for [in]."""
 
 FINE, HINTED = 1200, 1.05
 """Dots per inch at which text is measured, and how much wider it may be on coarse pixels."""
@@ -68,26 +72,31 @@ class Sheet:
         right: float = RIGHT,
         lettered: bool = True,
     ) -> None:
-        self._rows, self._left = rows, left
+        by = enlarged()
+        rows = [Row(row.height, by * row.below, by * row.above) for row in rows]
+        left, right, edge = by * left, by * right, by * EDGE
+        self._left = left
         self._across = (width - columns * left - right) / columns
         self._beyond = min(left - 0.1, RIGHT - 0.03)  # a title may be wider than its panel
         letters = chain(ascii_lowercase, map("".join, product(ascii_lowercase, repeat=2)))
         self._letters = (f"({letter}) " if lettered else "" for letter in letters)
-        lines = _wrapped(heading, width - left - RIGHT)
+        lines = _wrapped(heading, width - left - RIGHT) if heading else []
         entries = _packed(legend or {}, width - left - RIGHT)
-        small = 1.6 * SMALL / 72
-        words = EDGE + 1.35 * HEADING / 72 * len(lines)
-        self._top = words + small * len(entries) + 0.04
-        height = self._top + sum(map(sum, rows)) + 0.05
+        pitch = 1.6 * small() / 72
+        words = edge + 1.35 * by * HEADING / 72 * len(lines)
+        self._top = words + pitch * len(entries) + 0.04
+        self._rows = _as_high(rows, look().height, self._top + 0.05)
+        height = self._top + sum(map(sum, self._rows)) + 0.05
         self.figure = Figure(figsize=(width, height))
-        at = {"x": left / width, "y": 1 - EDGE / height}
-        self.figure.suptitle("\n".join(lines), **at, ha="left", va="top", fontsize=HEADING)
+        at = {"x": left / width, "y": 1 - edge / height}
+        if lines:
+            self.figure.suptitle("\n".join(lines), **at, ha="left", va="top", fontsize=by * HEADING)
         for number, row in enumerate(entries):
             self.figure.legend(
                 [Line2D([], [], **line) for line in row.values()],
                 list(row),
                 loc="upper left",
-                bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * small) / height),
+                bbox_to_anchor=(left / width, 1 - (words + 0.02 + number * pitch) / height),
                 ncols=len(row),
             )
 
@@ -122,15 +131,16 @@ class Sheet:
             (left / width, 1 - (above + tall) / height, wide / width, tall / height)
         )
         letter, room = next(self._letters), wide + self._beyond
-        pitch = 1.35 * SMALL  # of the notes [pt]
+        pitch = 1.35 * small()  # of the notes [pt]
         titles = [letter + wording for wording in wordings]
-        fits = any(width_of(title.replace("{}", name), FONT) <= room for title in titles)
-        size = FONT if fits else SMALL
+        size = enlarged() * FONT
+        if not any(width_of(title.replace("{}", name), size) <= room for title in titles):
+            size = small()
         title = fitting(titles, size, room, name)
         ax.set_title(title, fontsize=size, pad=4 + pitch * len(notes))
         for line, note in enumerate(reversed(notes)):
             up = (0, 4 + pitch * line)
-            text = fitting([note], SMALL, room)
+            text = fitting([note], small(), room)
             remark(ax, text, (0, 1), xytext=up, textcoords="offset points")
         return ax
 
@@ -144,7 +154,7 @@ class Sheet:
         room = self._across + self._beyond
         for i, wording in enumerate(wordings):
             titles = (f"(m) {wording.replace('{}', name)}" for name in names)
-            if all(width_of(title, FONT) <= room for title in titles):
+            if all(width_of(title, enlarged() * FONT) <= room for title in titles):
                 return wordings[i:]
         return wordings[-1:]
 
@@ -156,7 +166,9 @@ def abscissa_of_the_panel_below(ax: Axes) -> None:
 
 
 def heading(run: Run) -> str:
-    """What was run, under which law, and how it ended."""
+    """What was run, under which law, and how it ended; nothing of an ok run if it is not asked."""
+    if not look().titled and run.status is Status.OK:
+        return ""
     law, motions = run.experiment.law, run.experiment.motion
     periods = ", ".join(
         f"{motion.cycles}\u00a0×\u00a0{motion.period:g}\u00a0s" for motion in motions
@@ -168,10 +180,14 @@ def heading(run: Run) -> str:
     )
 
 
-@lru_cache(maxsize=4096)
 def width_of(text: str, size: float) -> float:
     """Width of a line of text without mathematics, with a margin [in]; `size` of the font [pt]."""
-    font = get_font(findfont(FontProperties()))
+    return _width(text, size, findfont(FontProperties()))
+
+
+@lru_cache(maxsize=4096)
+def _width(text: str, size: float, file: str) -> float:
+    font = get_font(file)
     font.set_size(size, FINE)
     font.set_text(text)
     return HINTED * float(font.get_width_height()[0]) / 64 / FINE
@@ -199,18 +215,36 @@ def _wrapped(heading: str, width: float) -> list[str]:
     """A heading as lines that fit `width` [in]."""
     for longest in range(max(len(heading), 10), 9, -1):
         lines = wrap(heading, longest) or [""]
-        if all(width_of(line, HEADING) <= width for line in lines):
+        if all(width_of(line, enlarged() * HEADING) <= width for line in lines):
             break
     return lines
+
+
+def _as_high(rows: Sequence[Row], height: float | None, besides: float) -> list[Row]:
+    """Rows with panels that together make a figure so high [in], of which `besides` is not theirs.
+
+    Raises:
+        PictureError: its panels would be too low to be read.
+    """
+    if height is None:
+        return list(rows)
+    fixed = besides + sum(row.below + row.above for row in rows)
+    panels = sum(row.height for row in rows)
+    lowest = fixed + LOWEST * panels / min(row.height for row in rows)
+    if height < lowest:
+        raise PictureError(
+            f"height {height:g}: this figure's panels need at least {lowest:.1f} in at this width"
+        )
+    return [row._replace(height=row.height * (height - fixed) / panels) for row in rows]
 
 
 def _packed(legend: Mapping[str, Line], room: float) -> list[dict[str, Line]]:
     """The entries of a legend in rows, as many in each as there is room for [in]."""
     rows: list[dict[str, Line]] = []
-    used, handle, gap = room, (HANDLE + 0.5) * SMALL / 72, GAP * SMALL / 72
+    used, handle, gap = room, (HANDLE + 0.5) * small() / 72, GAP * small() / 72
     for label, line in legend.items():
-        shown = fitting(["{}"], SMALL, room - handle, label)
-        wide = width_of(shown, SMALL) + handle
+        shown = fitting(["{}"], small(), room - handle, label)
+        wide = width_of(shown, small()) + handle
         if used + wide > room:
             rows.append({})
             used = 0.0

@@ -14,7 +14,7 @@ from ...springs.elements import Elements
 from ...text import minus, of_joint
 from ..palette import DESIRED, MOTOR, MUTED, OPTIMAL, SPRING_NEGATIVE, SPRING_POSITIVE
 from .sheet import Row, Sheet, heading
-from .style import Line
+from .style import Line, enlarged
 from .ticks import abscissa, even
 
 NARROW = 1.5
@@ -46,7 +46,7 @@ def draw(run: Run, width: float) -> Figure:
         for j in range(len(joints))
     ]
     unseen = NEGATIVE if all(one.stiffness >= 0 for _, _, one in found) else ""
-    most = max(1, int(width / (NARROW + LEFT)))
+    most = max(1, int(width / enlarged() / (NARROW + LEFT)))
     each = -(-len(joints) // most)  # rows that a motion takes
     columns = -(-len(joints) // each)
     sheet = Sheet(

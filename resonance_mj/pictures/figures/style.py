@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from threading import RLock
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -11,7 +12,8 @@ from matplotlib.axes import Axes
 from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL, SERIES
 
 FONT, SMALL, HEADING = 8.0, 7.0, 9.0
-"""Sizes of titles and labels, of numbers at the axes and remarks, and of the heading [pt]."""
+"""Sizes of titles and labels, of numbers at the axes and remarks, and of the heading [pt], where no
+other size of the first is asked for."""
 
 HANDLE, GAP = 1.8, 1.4
 """Length of a legend's line, and space between its columns, in font sizes."""
@@ -60,6 +62,12 @@ STYLE: Any = {
     "pdf.fonttype": 42,  # TrueType, embedded: journals refuse matplotlib's Type 3
 }
 
+SIZES = (
+    *("font.size", "axes.titlesize", "axes.labelsize", "xtick.labelsize", "ytick.labelsize"),
+    *("legend.fontsize", "axes.titlepad"),
+)
+"""Those that follow the size of letters."""
+
 LINES: Mapping[str, Line] = {
     "measured": {"color": MEASURED},
     "desired": {"color": DESIRED, "linestyle": "--"},
@@ -71,6 +79,46 @@ LINES: Mapping[str, Line] = {
 _DRAWING = RLock()
 
 
+class Look(NamedTuple):
+    """What a journal may ask of a figure.
+
+    Attributes:
+        titled: whether what was run stands above it.
+        font: family of its letters; matplotlib's own if None.
+        font_size: of titles and labels [pt]; all other sizes follow.
+        height: of the figure [in]; what its panels need if None.
+    """
+
+    titled: bool = False
+    font: str | None = None
+    font_size: float = FONT
+    height: float | None = None
+
+
+USUAL = Look()
+_LOOK = ContextVar("look", default=USUAL)
+
+
+def look() -> Look:
+    """How what is being drawn is to look."""
+    return _LOOK.get()
+
+
+def if_titled(text: str) -> str:
+    """A heading where one is asked for, else nothing."""
+    return text if look().titled else ""
+
+
+def enlarged() -> float:
+    """How much larger letters are than usual, and with them all that they need room for."""
+    return look().font_size / FONT
+
+
+def small() -> float:
+    """Size of numbers at the axes and of remarks [pt]."""
+    return SMALL * enlarged()
+
+
 def one_of(i: int) -> Line:
     """How the line of one of many joints or runs is drawn: the dashes change when colours recur."""
     again, colour = divmod(i, len(SERIES))
@@ -79,16 +127,26 @@ def one_of(i: int) -> Line:
 
 def remark(ax: Axes, text: str, at: tuple[float, float], **settings: Any) -> None:
     """Write small print at a place, in shares of the panel if nothing else is told."""
-    usual = {"xycoords": "axes fraction", "color": NOTE, "fontsize": SMALL}
+    usual = {"xycoords": "axes fraction", "color": NOTE, "fontsize": small()}
     ax.annotate(text, at, **{**usual, **settings})
 
 
 @contextmanager
-def styled(settings: Any = STYLE) -> Iterator[None]:
+def styled(settings: Any = STYLE, asked: Look | None = None) -> Iterator[None]:
     """Draw or write in a style, one thread at a time: matplotlib has one for the whole process.
 
     Args:
         settings: matplotlib's, by name.
+        asked: how it is to look; as what is being drawn around it if None.
     """
-    with _DRAWING, matplotlib.rc_context(settings):
-        yield
+    asked = asked or look()
+    by_size = {name: settings[name] for name in SIZES if name in settings}
+    more: Any = {name: value * asked.font_size / FONT for name, value in by_size.items()}
+    if asked.font:
+        more["font.family"] = [asked.font]
+    token = _LOOK.set(asked)
+    try:
+        with _DRAWING, matplotlib.rc_context({**settings, **more}):
+            yield
+    finally:
+        _LOOK.reset(token)

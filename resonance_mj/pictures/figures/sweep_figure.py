@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ...errors import PictureError
 from ...text import listed, shown
 from ..palette import DESIRED, SERIES
-from .style import HEADING, styled
+from .style import HEADING, Look, enlarged, if_titled, look, styled
 
 LABELS = {
     "torque_share": "share of the possible reduction",
@@ -23,8 +23,7 @@ BAD = "0.85"
 """Colour of runs without a value: that never got there, diverged or were refused."""
 
 
-@styled()
-def figure(data: xr.Dataset, metric: str, width: float) -> Figure:
+def figure(data: xr.Dataset, metric: str, width: float, asked: Look | None = None) -> Figure:
     """A panel for each motion, and each key where there are more than two.
 
     Args:
@@ -32,20 +31,28 @@ def figure(data: xr.Dataset, metric: str, width: float) -> Figure:
         metric: one of the dataset's figures per motion, or torque_share: the reduction over that of
             the optimum. Runs that are not ok have none.
         width: of the figure [in].
+        asked: what else is asked of it.
 
     Raises:
         PictureError: the dataset has no such figure.
     """
+    with styled(asked=asked):
+        return _figure(data, metric, width)
+
+
+def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
     values = _values(data, metric)
     keys = [str(name) for name in data.coords if name not in ("motion", "joint", "cycle", "run")]
     grid = all(key in data.dims for key in keys)
     panels = 1 if grid and len(keys) < 3 else len(keys)
     motions = data.sizes["motion"]
-    drawn = Figure(figsize=(width, 0.5 + 2.3 * panels), layout="constrained")
-    heading = data.attrs["title"].removeprefix("resonance-mj ")
-    if mapped := grid and len(keys) == 2:
-        heading += ": grey where a run is not ok, or never gets there"
-    drawn.suptitle(heading, x=0.01, ha="left", fontsize=HEADING)
+    height = look().height or enlarged() * (0.3 + 2.3 * panels)
+    drawn = Figure(figsize=(width, height), layout="constrained")
+    mapped = grid and len(keys) == 2
+    words = [if_titled(data.attrs["title"].removeprefix("resonance-mj "))]
+    words += ["grey where a run is not ok, or never gets there"] * mapped
+    if heading := ": ".join(filter(None, words)):
+        drawn.suptitle(heading, x=0.01, ha="left", fontsize=enlarged() * HEADING)
     axes = drawn.subplots(panels, motions, squeeze=False, sharey="row")
     for column, motion in enumerate(data["motion"].values):
         of_motion = values.sel(motion=motion)

@@ -9,7 +9,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ...text import minus
 from .sheet import width_of
-from .style import SMALL
+from .style import enlarged, small
 
 LINE = 0.11
 """Height that a number at an ordinate takes [in]."""
@@ -23,15 +23,18 @@ def logarithmic(ax: Axes) -> None:
     ax.set_yscale("log")
     low, high = ax.get_ylim()
     near = high / low < 400  # decades alone would leave an axis without numbers
-    room = max(2, min(7, int(_inches(ax)[1] / LINE)))
+    room = max(2, min(7, int(_inches(ax)[1] / LINE / enlarged())))
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if near else (1.0,), numticks=room))
     ax.yaxis.set_major_formatter(_number)
     ax.yaxis.set_minor_locator(NullLocator())
 
 
-def even(ax: Axes, nbins: int = 4) -> None:
-    """An ordinate without a common factor, which would stand in the title."""
-    ax.set_ylim(_told_apart(*ax.get_ylim()))
+def even(ax: Axes, nbins: int = 4, least: float = 0.0) -> None:
+    """An ordinate without a common factor, which would stand in the title, `least` high at least.
+
+    What is small beside that is seen as what it is, and rounding errors as a line.
+    """
+    ax.set_ylim(_told_apart(*ax.get_ylim(), least))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=nbins))
     ax.yaxis.set_major_formatter(_number)
 
@@ -44,12 +47,12 @@ def abscissa(ax: Axes) -> None:
     for nbins in (6, 5, 4, 3, 2, 1):
         placed = MaxNLocator(nbins).tick_values(low, high)
         ticks = [float(tick) for tick in placed if low <= tick <= high]
-        widest = max((width_of(_number(tick), SMALL) for tick in ticks), default=0.0)
+        widest = max((width_of(_number(tick), small()) for tick in ticks), default=0.0)
         if len(ticks) < 2 or (ticks[1] - ticks[0]) * scale > widest + 0.08:
             break
     # The last number must not stand out of the figure.
     ticks = [
-        tick for tick in ticks if (high - tick) * scale + 0.1 > width_of(_number(tick), SMALL) / 2
+        tick for tick in ticks if (high - tick) * scale + 0.1 > width_of(_number(tick), small()) / 2
     ]
     ax.set_xticks(ticks, [_number(tick) for tick in ticks])
 
@@ -81,9 +84,9 @@ def _inches(ax: Axes) -> np.ndarray:
     return np.asarray(figure.get_size_inches() * ax.get_position().size)
 
 
-def _told_apart(low: float, high: float) -> tuple[float, float]:
+def _told_apart(low: float, high: float, least: float = 0.0) -> tuple[float, float]:
     """The ends of an axis, so far apart that its ticks differ in the digits that are written."""
-    middle, half = (low + high) / 2, max(high - low, 1e-3 * max(abs(low), abs(high))) / 2
+    middle, half = (low + high) / 2, max(high - low, 1e-3 * max(abs(low), abs(high)), least) / 2
     return middle - half, middle + half
 
 
