@@ -228,6 +228,35 @@ def test_the_figures_have_a_cursor_at_the_scene_s_moment_and_go_to_where_one_cli
     assert shown == pytest.approx((begin + end) / 2, abs=1.0)
 
 
+def test_a_curve_under_the_pointer_says_its_value(browser, single):
+    run = rmj.Run.load(single.parent)
+    with Opened(browser, single) as page:
+        svg = page.page.locator("#run-cycles svg, svg[data-panels]").first
+        panels = json.loads(svg.get_attribute("data-panels"))
+        (torque,) = [each for each in panels if "τᵀτ" in each["title"]]
+        left, right, top, bottom = torque["box"]
+        low, high, logarithmic = torque["y"]
+        assert logarithmic
+        values = run.data["torque_squared"].values
+        svg.scroll_into_view_if_needed()
+        for cycle in (3, 8):
+            share = (cycle - torque["x"][0]) / (torque["x"][1] - torque["x"][0])
+            up = np.log(values[cycle - 1] / low) / np.log(high / low)
+            box = svg.bounding_box()
+            scale = box["width"] / float(svg.get_attribute("viewBox").split()[2])
+            page.page.mouse.move(
+                box["x"] + scale * (left + share * (right - left)) + 1,
+                box["y"] + scale * (bottom - up * (bottom - top)) - 2,
+            )
+            said = svg.locator(".reading text").last.text_content()
+            assert said.startswith("measured: ")
+            assert said.endswith(f" N² m² at cycle {cycle}")
+            assert float(said.split()[1]) == pytest.approx(values[cycle - 1], rel=1e-3)
+        page.page.mouse.move(2, 2)
+        assert svg.locator(".reading").get_attribute("visibility") == "hidden"
+        assert page.said == []
+
+
 def test_a_joint_s_name_cannot_leave_the_scene_s_data(tmp_path):
     name = "</script><b>joint</b>"
     arm = tmp_path / "arm.xml"

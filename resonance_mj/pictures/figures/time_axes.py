@@ -24,6 +24,12 @@ def timed(ax: Axes, pieces: Sequence[Piece]) -> None:
     setattr(ax, _NAME, tuple(pieces))
 
 
+def pieces(ax: Axes) -> Sequence[Piece]:
+    """What was said of an axis."""
+    found: Sequence[Piece] = getattr(ax, _NAME, ())
+    return found
+
+
 def times(figure: Figure) -> list[list[float]]:
     """Of each piece begin and end [s], left, right, top and bottom [points from the top left]."""
     width, height = 72 * figure.get_size_inches()
@@ -31,7 +37,7 @@ def times(figure: Figure) -> list[list[float]]:
     for ax in figure.axes:
         low, high = ax.get_xlim()
         box = ax.get_position()
-        for begin, end, left, right in getattr(ax, _NAME, ()):
+        for begin, end, left, right in pieces(ax):
             x = [width * (box.x0 + box.width * (at - low) / (high - low)) for at in (left, right)]
             y = [height * (1 - at) for at in (box.y1, box.y0)]
             found.append([round(float(value), 3) for value in (begin, end, *x, *y)])

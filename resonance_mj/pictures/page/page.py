@@ -15,6 +15,7 @@ from ... import text
 from ...evaluation.checks import convergence
 from ...results.run import Run, finite, versions
 from ..figures.catalogue import KINDS, Entry
+from ..figures.curves import curves
 from ..figures.style import STYLE, styled
 from ..figures.time_axes import times
 from .content import best
@@ -66,6 +67,7 @@ def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
     """A figure of runs as an SVG element, whose ids begin with `anchor` and the figure's name."""
     name, file = f"{anchor}-{entry.name}", io.StringIO()
     drawn = entry.draw(runs, WIDTH)
+    panels = curves(drawn)
     # The ids are found from the salt: the same figure gives the same page.
     with styled({**STYLE, "svg.hashsalt": name}):
         drawn.savefig(file, format="svg", metadata=KINDS["svg"])
@@ -80,6 +82,9 @@ def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
     label = f'role="img" aria-label="{escape(entry.title)}"'
     if moments := times(drawn):
         label += f' data-time="{escape(json.dumps(moments))}"'
+    for panel in panels:
+        panel["curves"] = {f"{name}-{one}": words for one, words in panel["curves"].items()}
+    label += f' data-panels="{escape(json.dumps(panels))}"'
     return Markup(f"<svg {view[0]} {label}>{body}")
 
 
