@@ -4,6 +4,7 @@ Tests that record a row of a table as a property, by the table's heads, have the
 """
 
 import os
+import shutil
 import subprocess
 import sys
 from functools import cache
@@ -50,3 +51,22 @@ def pytest_terminal_summary(terminalreporter):
     for heads, rows in tables.items():
         terminalreporter.write_line("\n".join((heads, "|---" * (heads.count("|") - 1) + "|")))
         terminalreporter.write_line("\n".join(sorted(rows)))
+
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium that is installed on this machine."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip(f"no browser to open reports in: none of {', '.join(BROWSERS)} is on the PATH")
+    with sync_api.sync_playwright() as playwright:
+        software = ["--enable-unsafe-swiftshader", "--use-angle=swiftshader"]
+        chromium = playwright.chromium.launch(
+            executable_path=found, args=["--no-sandbox", *software]
+        )
+        yield chromium
+        chromium.close()

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import BROWSERS
 from PIL import Image
 
 import resonance_mj as rmj
@@ -26,24 +27,7 @@ from resonance_mj.pictures.film import crew
 from resonance_mj.pictures.page import film
 from resonance_mj.pictures.page.scene import BUNDLE
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PHONE, DESK = 360, 1280
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """A headless Chromium that is installed on this machine."""
-    sync_api = pytest.importorskip("playwright.sync_api")
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if found is None:
-        pytest.skip(f"no browser to open reports in: none of {', '.join(BROWSERS)} is on the PATH")
-    with sync_api.sync_playwright() as playwright:
-        software = ["--enable-unsafe-swiftshader", "--use-angle=swiftshader"]
-        chromium = playwright.chromium.launch(
-            executable_path=found, args=["--no-sandbox", *software]
-        )
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,11 @@
 """The viewer as a user gets it: a real window on a virtual display; its clock in closed form."""
 
+import http.client
+import json
 import os
+import re
 import signal
+import socket
 import subprocess
 import sys
 
@@ -15,6 +19,7 @@ from resonance_mj.errors import PictureError
 from resonance_mj.pictures.film import frame_data
 from resonance_mj.pictures.viewer import display as displays
 from resonance_mj.pictures.viewer import live as living
+from resonance_mj.pictures.viewer import view as views
 from resonance_mj.pictures.viewer.clock import Clock
 from resonance_mj.pictures.viewer.view import frame
 from resonance_mj.plan.plan import plan_for
@@ -24,6 +29,8 @@ GREY_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1
 <joint name="elbow" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .2 0 0" size=".02"/>
 <site name="tool" pos=".2 0 0"/></body></body></worldbody></mujoco>"""
 SHORT = {"motion.0.duration": 2.0, "motion.1.duration": 2.0}
+SHORT_OPTIONS = [part for key, value in SHORT.items() for part in (f"--{key}", str(value))]
+NO_DISPLAY = {key: value for key, value in os.environ.items() if "DISPLAY" not in key}
 SPACE, UP, DOWN, BACKSPACE = 32, 265, 264, 259
 
 
@@ -68,7 +75,7 @@ class Pretended:
 def pretended(monkeypatch):
     """A class of windows for one test, in place of the real one."""
     window = type("Window", (Pretended,), {"keys": {}})
-    monkeypatch.setattr(living, "Window", window)
+    monkeypatch.setattr(views, "_opened", lambda web, port: window)
     return window
 
 
@@ -95,7 +102,13 @@ def screen(tmp_path_factory):
 
 def live(prepared, speed=1.0, once=True):
     return living.live(
-        prepared, rmj.RenderOptions(), Clock(speed, Wall()), once, lambda run: None, print
+        prepared,
+        rmj.RenderOptions(),
+        Clock(speed, Wall()),
+        once,
+        lambda run: None,
+        print,
+        views._opened(web=False, port=0),
     )
 
 
@@ -329,3 +342,112 @@ def test_an_interrupt_closes_the_window_and_is_one_line(screen, folder):
     said = process.communicate(timeout=30)
     assert (process.returncode, len(said[1].splitlines())) == (130, 1)
     assert (screen.picture() == 0).all()
+
+
+# In a browser
+
+
+@pytest.fixture
+def watched():
+    """`view --web` in a process of its own, and the address that it says."""
+    started = []
+
+    def start(*options):
+        command = [sys.executable, "-m", "resonance_mj", "view", *options, "--web", "--port", "0"]
+        process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=NO_DISPLAY
+        )
+        started.append(process)
+        for line in process.stdout:
+            if found := re.search(r"http://localhost:(\d+)/", line):
+                return process, int(found[1])
+        raise AssertionError("it says no address")
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def asked(port, method, path, **headers):
+    """The status, and the first bytes, of what this machine's page answers."""
+    connection = http.client.HTTPConnection("localhost", port, timeout=10)
+    connection.request(method, path, headers=headers)
+    answer = connection.getresponse()
+    first = answer.read1(1 << 16) if answer.status == 200 else b""
+    connection.close()
+    return answer.status, first
+
+
+def test_an_experiment_is_watched_in_a_browser_that_pauses_it_and_begins_again(watched, browser):
+    process, port = watched("paper", *SHORT_OPTIONS)
+    page = browser.new_page()
+    said = []
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.goto(f"http://localhost:{port}/")
+    reading = page.locator("output")
+
+    def until(words):
+        for _ in range(400):
+            if words in reading.text_content():
+                return
+            page.wait_for_timeout(50)
+        raise AssertionError(f"{words!r} is not in {reading.text_content()!r}")
+
+    until("tracking error")
+    page.click("button[data-press='32']")
+    until("paused")
+    page.click("button[data-press='259']")
+    until("paused · 0.0")
+    page.click("button[data-press='265']")
+    until("× 2, paused")
+    page.click("button[data-press='32']")
+    until("the end, × 2 · 4.00 s")
+    assert page.evaluate("Number(document.querySelector('canvas').dataset.drawn)") > 2
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 130
+    until("the viewer has ended")
+    assert said == []
+    page.close()
+
+
+def test_a_replay_is_sent_to_a_browser_until_its_end(watched, folder):
+    process, port = watched(str(folder), "--once", "--speed", "0.5")
+    status, page = asked(port, "GET", "/")
+    assert (status, page[:15]) == (200, b"<!doctype html>")
+    status, frame = asked(port, "GET", "/frames")
+    assert status == 200
+    sent = json.loads(frame.decode().split("\n\n")[0].removeprefix("data: "))
+    run = rmj.Run.load(folder)
+    at = int(np.argmin(np.abs(run.data["time"].values - sent["times"])))
+    np.testing.assert_allclose(np.array(sent["tool"])[[0, 2]], run.data["x"].values[at], atol=2e-5)
+    assert process.wait(30) == 0
+
+
+def test_the_page_answers_no_other_site_and_nothing_that_it_does_not_have(watched):
+    _, port = watched("paper")
+    here = f"localhost:{port}"
+    assert asked(port, "POST", "/press/32", Host=here, Origin=f"http://{here}")[0] == 204
+    for refused in (
+        ("POST", "/press/32", {"Origin": "http://elsewhere.example"}),
+        ("POST", "/press/32", {"Host": "elsewhere.example"}),
+        ("GET", "/frames", {"Origin": "http://elsewhere.example"}),
+        ("GET", "/frames", {"Host": "elsewhere.example"}),
+        ("POST", "/press/x", {}),
+        ("GET", "/../pyproject.toml", {}),
+    ):
+        method, path, headers = refused
+        assert asked(port, method, path, **headers)[0] == 404, refused
+
+
+def test_a_port_that_is_taken_is_said_in_one_line(folder, capsys):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        assert cli.main(["view", str(folder), "--web", "--port", port]) == 2
+    assert f"port {port}: Address already in use; give another" in capsys.readouterr().err
+    assert cli.main(["view", str(folder), "--web", "--port", "99999"]) == 2
+    assert "port 99999: " in capsys.readouterr().err

@@ -13,7 +13,7 @@ from .. import library
 from ..errors import ExperimentError, PictureError
 from ..files import writable
 from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
-from ..pictures.viewer.clock import KEYS_HELP
+from ..pictures.viewer.clock import KEYS_HELP, PORT
 from ..progress import bar
 from . import keys_as_options
 from .command import DONE, NOT_WELL, Argument, Screen, argument, command, complain, flag
@@ -221,6 +221,8 @@ def _size(text: str) -> tuple[int, int]:
     argument("--speed", "seconds of the run per second; 1", type=float, default=1.0),
     *SPAN,
     flag("--once", "close the window at the end; runs are repeated else"),
+    flag("--web", "on a page in the browser, which needs no display, also over SSH"),
+    argument("--port", f"of that page, 0 for any; {PORT}", metavar="N", type=int, default=PORT),
     *_picture("sky, white or dark", {part: PARTS[part] for part in PARTS if part != "plots"}),
     keys=True,
     more=f"{KEYS_HELP}. ",
@@ -228,7 +230,8 @@ def _size(text: str) -> tuple[int, int]:
 def view(options: Namespace) -> int:
     """Watch a saved run again, or an experiment live, in MuJoCo's viewer."""
     # Windows are GLFW's, whatever pictures are drawn with; MuJoCo reads this when it is imported.
-    os.environ["MUJOCO_GL"] = "glfw"
+    if not options.web:
+        os.environ["MUJOCO_GL"] = "glfw"
     what = _what(options)
     screen = Screen(options)
     failed = []
@@ -247,6 +250,8 @@ def view(options: Namespace) -> int:
         options=_chosen(options),
         note=screen.note,
         ended=ended,
+        web=options.web,
+        port=options.port,
     )
     return NOT_WELL if failed else DONE
 

@@ -28,7 +28,7 @@ class HeadUp:
         self._shown, self._ink, self._paper = shown, options.ink, options.paper
         size = max(11, round(options.size[1] / 38))
         digits = len(str(shown.cycle[-1]))
-        widest = self._fields(int(np.searchsorted(shown.cycle, 10 ** (digits - 1))))
+        widest = fields(shown, int(np.searchsorted(shown.cycle, 10 ** (digits - 1))))
         while size > 8 and sum(_width(size, text) for text in widest) + size * 9 > width:
             size -= 1
         self._size, self._width = size, width
@@ -41,25 +41,26 @@ class HeadUp:
         """Write a sample's line into the first rows of `picture` (·, width, 3 or 4)."""
         band = Image.new("RGB", (self._width, self.height), self._paper)
         pen = ImageDraw.Draw(band)
-        fields = self._fields(sample)
-        for index, (x, text) in enumerate(zip(self._starts, fields, strict=True)):
+        words = fields(self._shown, sample)
+        for index, (x, text) in enumerate(zip(self._starts, words, strict=True)):
             font = _font(self._size, bold=index == 0)
             pen.text((x, self.height / 2), text, fill=self._ink, font=font, anchor="lm")
         picture[: self.height, :, :3] = np.asarray(band)
         picture[: self.height, :, 3:] = 255
 
-    def _fields(self, sample: int) -> list[str]:
-        shown = self._shown
-        reduction, best = shown.reduction[sample], shown.best[sample]
-        found = "     –  " if np.isnan(reduction) else f"{-100 * reduction:+6.1f} %"
-        return [
-            shown.label,
-            f"{shown.time[sample]:6.2f} s",
-            f"cycle {shown.cycle[sample]:>3d}",
-            # A minus as wide as a plus, so that lines stand still.
-            f"motor torque² {found} (best {-100 * best:+.1f} %)".replace("-", "−"),
-            f"tracking error {1e3 * shown.error(sample):6.2f} mm",
-        ]
+
+def fields(shown: FrameData, sample: int) -> list[str]:
+    """What is said of a sample, in parts: run, time, cycle, torque, tracking."""
+    reduction, best = shown.reduction[sample], shown.best[sample]
+    found = "     –  " if np.isnan(reduction) else f"{-100 * reduction:+6.1f} %"
+    return [
+        shown.label,
+        f"{shown.time[sample]:6.2f} s",
+        f"cycle {shown.cycle[sample]:>3d}",
+        # A minus as wide as a plus, so that lines stand still.
+        f"motor torque² {found} (best {-100 * best:+.1f} %)".replace("-", "−"),
+        f"tracking error {1e3 * shown.error(sample):6.2f} mm",
+    ]
 
 
 class Legend:

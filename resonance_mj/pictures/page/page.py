@@ -28,6 +28,16 @@ WIDTH = 4.8
 which enlarges it by half. In the dark the page's style turns light and dark over."""
 
 
+def live(label: str, scene: str) -> str:
+    """The page of a run that is watched: its scene, which draws frames as they come.
+
+    Args:
+        label: what the page is called.
+        scene: what does not change, as JSON.
+    """
+    return _environment().get_template("live.html").render(label=label, scene=scene)
+
+
 def html(**page: Any) -> str:
     """The page as text.
 
@@ -36,6 +46,23 @@ def html(**page: Any) -> str:
             show all runs; `differences` between the runs' experiments; `film` or None, and
             `film_note`, why there is none or what it leaves out; `scene` or None.
     """
+    environment = _environment()
+    environment.globals["judged"] = convergence
+    environment.filters |= {
+        "minus": text.minus,
+        "number": _data(text.number),
+        "percent": _data(text.percent),
+        "metres": _data(text.length),
+        "radians": _data(text.angle),
+        "json": lambda value: json.dumps(finite(value), indent=2),
+    }
+    return environment.get_template("page.html").render(
+        page=page, best=best, version=versions()["resonance-mj"]
+    )
+
+
+def _environment() -> jinja2.Environment:
+    """Templates with what all pages have: style, script, and the script that draws a scene."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -44,23 +71,12 @@ def html(**page: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals["judged"] = convergence
-    environment.filters |= {
-        "minus": text.minus,
-        "number": _data(text.number),
-        "percent": _data(text.percent),
-        "metres": _data(text.length),
-        "radians": _data(text.angle),
-        "data_uri": _data_uri,
-        "json": lambda value: json.dumps(finite(value), indent=2),
+    environment.globals |= {
+        "asset": lambda name: Markup((TEMPLATES / name).read_text(encoding="utf-8")),
+        "bundle": Markup(BUNDLE.read_text(encoding="utf-8")),
     }
-    return environment.get_template("page.html").render(
-        page=page,
-        best=best,
-        asset=lambda name: Markup((TEMPLATES / name).read_text(encoding="utf-8")),
-        bundle=Markup(BUNDLE.read_text(encoding="utf-8")),
-        version=versions()["resonance-mj"],
-    )
+    environment.filters["data_uri"] = _data_uri
+    return environment
 
 
 def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:

@@ -5,7 +5,7 @@ What draws it is `scene/scene.js`, bundled with three.js into `scene/bundle.js`.
 
 import base64
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,6 +49,84 @@ class Shown(NamedTuple):
     """Start and stop of each span of the run that it shows [s], and its first frame."""
 
 
+class Stage:
+    """The arm as a browser draws it: what does not change, and its frames.
+
+    Args:
+        shown: which arm; its samples are in the picture for certain.
+        options: camera and size.
+        note: is called with each line that the user should know.
+
+    Attributes:
+        arm: that is posed.
+        still: what does not change, for the script.
+
+    Raises:
+        PictureError: the model has no such camera.
+        RobotError: the arm's file is missing.
+    """
+
+    def __init__(
+        self, shown: frame_data.FrameData, options: RenderOptions, note: Callable[[str], None]
+    ) -> None:
+        model, tool = prepare(shown, options, options.size, note)
+        arm = self.arm = RenderModel(shown, options, model, tool)
+        camera = arm.camera(options.size[0] / options.size[1])
+        bodies, meshes = _geometry(model)
+        self._moved = sorted(bodies)
+        joints = [
+            {
+                "name": name,
+                "slides": bool(slides),
+                "body": self._moved.index(joint.body) if joint.body in bodies else -1,
+                "anchor": model.jnt_pos[joint.id],
+                "axis": model.jnt_axis[joint.id],
+                "link": joint.link,
+                "inner": joint.inner,
+                "outer": joint.outer,
+                "lift": joint.lift,
+            }
+            for name, slides, joint in zip(
+                shown.joints, shown.slides, Overlays(arm, camera).joints, strict=True
+            )
+        ]
+        self.still: dict[str, Any] = {
+            "bodies": [bodies[body] for body in self._moved],
+            "meshes": meshes,
+            "joints": joints,
+            "size": size(arm.anchors(arm.data)),
+            "camera": {
+                "eye": arm.eye(camera),
+                "target": camera.lookat.copy(),
+                "fov": float(model.vis.global_.fovy),
+            },
+        }
+
+    def frames(
+        self, shown: frame_data.FrameData, at: Sequence[int], scale: frame_data.Scale
+    ) -> dict[str, np.ndarray]:
+        """Poses of the bodies, the tool, and what the overlays show, a row for each sample."""
+        poses, tips = np.empty((len(at), len(self._moved), 7)), np.empty((len(at), 3))
+        data = self.arm.data
+        for frame, sample in enumerate(at):
+            self.arm.pose(shown.q[sample])
+            poses[frame, :, :3] = data.xpos[self._moved]
+            poses[frame, :, 3:] = data.xquat[self._moved]
+            tips[frame] = data.site_xpos[self.arm.site]
+        away = np.array([shown.equilibrium(sample) - shown.q[sample] for sample in at])
+        index = np.asarray(at)
+        return {
+            "times": shown.time[index],
+            "poses": poses.reshape(len(at), -1),
+            "tool": tips,
+            "stiffness": shown.stiffness[index] / scale.stiffness,
+            "away": np.clip(np.nan_to_num(away), -1e3, 1e3),
+            "spring": np.array([shown.spring(sample) for sample in at]) / scale.torque,
+            "motor": shown.tau[index] / scale.torque,
+            "error": np.array([shown.error(sample) for sample in at]),
+        }
+
+
 def scene(planned: film.Film, note: Callable[[str], None]) -> Shown:
     """The scene of the first run of a film, at the film's frames.
 
@@ -57,63 +135,29 @@ def scene(planned: film.Film, note: Callable[[str], None]) -> Shown:
     """
     run, options = planned.runs[0], RenderOptions(size=planned.size)
     shown = frame_data.of_run(run, planned.times, planned.labels[0])
-    model, tool = prepare(shown, options, options.size, note)
-    arm = RenderModel(shown, options, model, tool)
-    camera = arm.camera(options.size[0] / options.size[1])
-    placed, scale = Overlays(arm, camera).joints, frame_data.scale([shown])
-    middle = camera.lookat.copy()
-    bodies, meshes = _geometry(model)
-    at, moved = shown.sample, sorted(bodies)
-    poses, tips = np.empty((len(at), len(moved), 7)), np.empty((len(at), 3))
-    for frame, sample in enumerate(at):
-        arm.pose(shown.q[sample])
-        poses[frame, :, :3] = arm.data.xpos[moved]
-        poses[frame, :, 3:] = arm.data.xquat[moved]
-        tips[frame] = arm.data.site_xpos[arm.site]
-    away = np.array([shown.equilibrium(sample) - shown.q[sample] for sample in at])
-    paths, path = _paths(run, shown, tips)
+    stage, at = Stage(shown, options, note), shown.sample
+    frames = stage.frames(shown, at.tolist(), frame_data.scale([shown]))
+    paths, path = _paths(run, shown, frames["tool"])
     dt = run.experiment.simulation.timestep
     first = [int(np.flatnonzero(path == number)[-1]) for number in range(len(paths))]
     of_path = dt * shown.period[at[first]]
     spans = [(one.start, one.stop, round(one.at * film.FPS)) for one in planned.scenes]
-    joints = [
-        {
-            "name": name,
-            "slides": bool(slides),
-            "body": moved.index(joint.body) if joint.body in bodies else -1,
-            "anchor": model.jnt_pos[joint.id],
-            "axis": model.jnt_axis[joint.id],
-            "link": joint.link,
-            "inner": joint.inner,
-            "outer": joint.outer,
-            "lift": joint.lift,
-        }
-        for name, slides, joint in zip(shown.joints, shown.slides, placed, strict=True)
-    ]
-    found = {
-        "bodies": [bodies[body] for body in moved],
-        "meshes": meshes,
-        "joints": joints,
+    found = stage.still | {
         "paths": [path.round(5) for path in paths],
-        "size": size(arm.anchors(arm.data)),
-        "camera": {"eye": arm.eye(camera), "target": middle, "fov": _fov(model)},
         "spans": spans,
         "fps": film.FPS,
         "trail": [float(one) for one in TRAIL * of_path * film.FPS / planned.speed],
-        "times": _packed(planned.times),
-        "poses": _packed(poses),
-        "tool": _packed(tips),
-        "stiffness": _packed(shown.stiffness[at] / scale.stiffness),
-        "away": _packed(np.clip(np.nan_to_num(away), -1e3, 1e3)),
-        "spring": _packed(shown.spring()[at] / scale.torque),
-        "motor": _packed(shown.tau[at] / scale.torque),
         "path": path.tolist(),
-        "error": _packed(np.array([shown.error(sample) for sample in at])),
         "cycle": shown.cycle[at].tolist(),
+        **{name: _packed(values) for name, values in frames.items()},
     }
+    return Shown(in_html(found), spans)
+
+
+def in_html(found: Any) -> str:
+    """Data as text that ends no element, whatever names a user gave."""
     text = json.dumps(found, default=_plain, separators=(",", ":"))
-    # Names are a user's: none of them ends the element that holds them.
-    return Shown(text.replace("<", "\\u003c"), spans)
+    return text.replace("<", "\\u003c")
 
 
 def _geometry(model: mujoco.MjModel) -> tuple[dict[int, list[dict[str, Any]]], list[Any]]:
@@ -192,10 +236,6 @@ def _paths(
         points[-1] = points[0] if len(inside) >= shown.period[inside[0]] else points[-1]
         paths.append(points)
     return paths, which
-
-
-def _fov(model: mujoco.MjModel) -> float:
-    return float(model.vis.global_.fovy)
 
 
 def _packed(values: np.ndarray, kind: type = np.float32) -> str:

@@ -4,6 +4,8 @@ import math
 import time
 from collections.abc import Callable
 
+PORT = 8765
+"""Of the viewer's page in a browser, if nothing else is asked for."""
 SLACK = 1e-6
 """Share of a time step by which a time may fall short of it."""
 PAUSE, RESTART = 32, 259
@@ -14,6 +16,10 @@ KEYS_HELP = (
     "Keys in the window: Space pauses and goes on, Up and + double the speed, Down and - halve it, "
     "Backspace begins again, F1 lists MuJoCo's own"
 )
+
+
+class Closed(Exception):  # noqa: N818 (nothing went wrong)
+    """The user closed the window."""
 
 
 class Clock:

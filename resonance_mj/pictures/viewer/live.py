@@ -18,8 +18,7 @@ from ...status import Status
 from ..film import frame_data
 from ..film.frame_data import FrameData, Scale, planned
 from ..film.options import RenderOptions
-from .clock import Clock
-from .window import Closed, Window
+from .clock import Clock, Closed
 
 PORTION = 64
 """Time steps between looks at the time, at most."""
@@ -46,9 +45,7 @@ class Watched(Alone):
         clock: how far the run should be.
     """
 
-    def __init__(
-        self, models: list[mujoco.MjModel], plan: Plan, window: Window, clock: Clock
-    ) -> None:
+    def __init__(self, models: list[mujoco.MjModel], plan: Plan, window: Any, clock: Clock) -> None:
         super().__init__(models)
         self._plan, self._window, self._clock = plan, window, clock
         self._starts, self._dt = clock.starts, plan.experiment.simulation.timestep
@@ -154,6 +151,7 @@ def live(
     once: bool,
     ended: Callable[[Run], None],
     note: Callable[[str], None],
+    window_of: Callable[..., Any],
 ) -> Run | None:
     """Simulate an experiment in a window, until the window is closed.
 
@@ -164,6 +162,7 @@ def live(
         once: close the window when the run ends.
         ended: is called with the run as soon as it ends.
         note: is called with each line that the user should know.
+        window_of: opens the window of what is shown, options, clock and note.
 
     Returns:
         The last run that ended, None if there is none.
@@ -171,7 +170,7 @@ def live(
     run: Run | None = None
     # A cycle of each motion as it should be: all that the run will come past.
     whole = joined([planned(plan, plan.schedule.index(i)) for i in range(len(plan.joints))])
-    with Window(whole, options, clock, note) as window:
+    with window_of(whole, options, clock, note) as window:
         while True:
             clock.go_on_at(0.0)
             watched = Watched([plan.robot.model], plan, window, clock)

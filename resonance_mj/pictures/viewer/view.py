@@ -2,14 +2,17 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
+from typing import Any
 
 from ...errors import PictureError
 from ...experiments.experiment import Experiment
 from ...results.run import Run
 from ..film import frame_data
+from ..film.frame_data import FrameData
 from ..film.options import RenderOptions
 from . import display
-from .clock import KEYS_HELP, Clock
+from .clock import KEYS_HELP, PORT, Clock, Closed
 
 
 def view(
@@ -22,6 +25,8 @@ def view(
     options: RenderOptions | None = None,
     note: Callable[[str], None] | None = None,
     ended: Callable[[Run], None] | None = None,
+    web: bool = False,
+    port: int = PORT,
 ) -> Run | None:
     """Replay a run, or simulate an experiment, in a window; returns when the window is closed.
 
@@ -35,6 +40,8 @@ def view(
         options: camera, background and what is drawn; its size and plots are for videos.
         note: is called with each line that the user should know.
         ended: is called with the run that was simulated as soon as it ends; the window stays.
+        web: show it on a page in the browser instead, without a display; an interrupt ends it.
+        port: of that page on this machine; 0 for any that is free.
 
     Returns:
         The run; of an experiment None if the window was closed before its end.
@@ -64,25 +71,37 @@ def view(
         times = frame_data.times((what,), low, high, step, given)
         shown = frame_data.of_run(what, times, what.experiment.name)
         scale = frame_data.scale([shown])
-        display.check()
-        from .window import Closed, Window
-
-        note(KEYS_HELP)
-        with Window(shown, options, clock, note) as window, suppress(Closed):
+        with _opened(web, port)(shown, options, clock, note) as window, suppress(Closed):
             clock.go_on_at(0.0)
             while (number := frame(clock.steps(step), len(times), once)) is not None:
                 window.show(shown, int(shown.sample[number]), scale)
         return what
-    display.check()
+    window_of = _opened(web, port)
     from ...callback.callback import refuse_foreign
     from ...plan.plan import plan_for
     from .live import live
 
     refuse_foreign()
     prepared = plan_for(what)
-    for line in (*prepared.notes, KEYS_HELP):
+    for line in prepared.notes:
         note(line)
-    return live(prepared, options, clock, once, ended, note)
+    return live(prepared, options, clock, once, ended, note, window_of)
+
+
+def _opened(web: bool, port: int) -> Callable[..., Any]:
+    """What opens a window, or a page: the display is looked at before the long work."""
+    if web:
+        from .web import WebWindow
+
+        return partial(WebWindow, port=port)
+    display.check()
+    from .window import Window
+
+    def window(shown: FrameData, options: RenderOptions, clock: Clock, note: Any) -> Window:
+        note(KEYS_HELP)
+        return Window(shown, options, clock, note)
+
+    return window
 
 
 def frame(steps: int, frames: int, once: bool) -> int | None:

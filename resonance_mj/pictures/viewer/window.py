@@ -24,16 +24,12 @@ from ..film.overlays import Overlays
 from ..film.render_model import RenderModel
 from ..film.surroundings import prepare
 from . import display
-from .clock import Clock
+from .clock import Clock, Closed
 
 FRAME = 1 / 60
 """Time between frames [s]; a display that is slower shows fewer."""
 READABLE = 0.1
 """Time between changes of the line above [s]: numbers that change faster cannot be read."""
-
-
-class Closed(Exception):  # noqa: N818 (nothing went wrong)
-    """The user closed the window."""
 
 
 class Window:

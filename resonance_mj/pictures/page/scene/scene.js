@@ -1,4 +1,5 @@
-// The motion of a run as a scene to turn and to scrub, and a cursor at the same time in the figures.
+// The motion of a run as a scene to turn and to scrub, and a cursor at the same time in the figures; or live, as
+// the server sends it.
 // Its data are written by ../scene.py; MuJoCo's frame has z upwards, and quaternions (w, x, y, z).
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, CapsuleGeometry, CircleGeometry, Color,
@@ -142,9 +143,12 @@ function begin(root) {
   const data = JSON.parse(document.getElementById(root.dataset.scene).textContent);
   const canvas = root.querySelector("canvas"), slider = root.querySelector("input");
   const button = root.querySelector("button.play"), reading = root.querySelector("output");
-  const times = floats(data.times), poses = floats(data.poses), tool = floats(data.tool);
-  const [stiffness, away, spring, motor, error] = ["stiffness", "away", "spring", "motor", "error"].map((name) => floats(data[name]));
-  const frames = times.length, many = data.bodies.length, n = data.joints.length, { size } = data;
+  const many = data.bodies.length, n = data.joints.length, { size, live } = data;
+  const widths = { times: 1, poses: 7 * many, tool: 3, stiffness: n, away: n, spring: n, motor: n, error: 1 };
+  const rows = Object.fromEntries(Object.entries(widths).map(([name, width]) =>
+    [name, live ? new Float32Array(live * width) : floats(data[name])]));
+  const { times, poses, tool, stiffness, away, spring, motor, error } = rows, frames = times.length;
+  if (live) Object.assign(data, { path: new Array(frames).fill(0), trail: [0], cycle: [] });
 
   if (!document.createElement("canvas").getContext("webgl2")) throw new Error("it has no WebGL 2");
   const renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "low-power" });
@@ -200,11 +204,13 @@ function begin(root) {
     motor: new Tube(scene, RINGS.motor, PALETTE.motor),
   }));
   const trail = new Tube(scene, RINGS.trail, PALETTE.tool);
-  const paths = data.paths.map((points) => {
-    const path = new Tube(scene, points.length, "#1a1a1a"), places = points.map((point) => vector(point));
+  const along = (path, points) => {
+    const places = points.map((point) => vector(point));
     path.bend((part) => places[Math.round(part * (places.length - 1))], dashed(0.035 * size, 3), flattest(places));
     return path;
-  });
+  };
+  const paths = live ? [new Tube(scene, live, "#1a1a1a")]
+    : data.paths.map((points) => along(new Tube(scene, points.length, "#1a1a1a"), points));
 
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const sky = () => {
@@ -281,6 +287,10 @@ function begin(root) {
     if (at - first > 1) {
       trail.bend((part) => places[Math.round(part * (RINGS.trail - 1))], (part) => 0.075 * size * part, flattest(places));
     }
+    if (live) {
+      stale = true;
+      return;
+    }
     const time = between(times, 1, at, 0);
     slider.value = at;
     slider.setAttribute("aria-valuetext", clock(time));
@@ -334,22 +344,56 @@ function begin(root) {
   }
   new ResizeObserver(fit).observe(canvas);
   dark.addEventListener("change", sky);
-  button.addEventListener("click", () => play(!playing));
   root.querySelector("button.home").addEventListener("click", () => {
     camera.position.copy(eye);
     controls.target.copy(target);
   });
   root.querySelectorAll("button[data-frame]").forEach((one) => one.addEventListener("click", () => show((now = Number(one.dataset.frame)))));
-  slider.max = frames - 1;
-  slider.addEventListener("input", () => { play(false); show((now = Number(slider.value))); });
   sky();
   fit();
-  show(0);
+  if (live) {
+    watch();
+  } else {
+    button.addEventListener("click", () => play(!playing));
+    slider.max = frames - 1;
+    slider.addEventListener("input", () => { play(false); show((now = Number(slider.value))); });
+    show(0);
+    document.body.classList.add("timed");
+  }
   root.classList.add("ready");
-  document.body.classList.add("timed");
   // Drawn only where it can be seen.
   new IntersectionObserver(([entry]) => renderer.setAnimationLoop(entry.isIntersecting ? tick : null)).observe(canvas);
-  play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+  if (!live) play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+
+  /** Frames as they come from the server; the last of them is shown. */
+  function watch() {
+    const source = new EventSource("frames");
+    let starts = 0, drawnAlong = "";
+    source.onmessage = (message) => {
+      const frame = JSON.parse(message.data), again = frame.starts !== starts;
+      starts = frame.starts;
+      for (const [name, width] of Object.entries(widths)) {
+        const row = [frame[name]].flat();
+        if (again) for (let i = 0; i < frames; i++) rows[name].set(row, i * width);
+        rows[name].copyWithin(0, width);
+        rows[name].set(row, (frames - 1) * width);
+      }
+      const path = JSON.stringify(frame.path ?? []);
+      if (frame.path && path !== drawnAlong) along(paths[0], frame.path);
+      drawnAlong = path;
+      data.trail[0] = frame.trail ?? 0;
+      reading.textContent = frame.said;
+      show(frames - 1);
+      root.dataset.shown = Number(root.dataset.shown ?? 0) + 1;
+    };
+    source.addEventListener("end", () => {
+      source.close();
+      reading.textContent += " · the viewer has ended";
+    });
+    for (const one of root.querySelectorAll("button[data-press]")) {
+      one.addEventListener("click", () => fetch(`press/${one.dataset.press}`, { method: "POST" }));
+    }
+  }
 }
 
 /** A direction across which points hardly spread: a tube's normal. */
