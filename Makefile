@@ -74,7 +74,7 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/installed: $(VENV)/bin/python pyproject.toml
-	@echo "Installing resonance-mj and what it needs into $(VENV): 0.8 GB, a minute or two without a cache"
+	@echo "Installing resonance-mj and what it needs into $(VENV): 1 GB, a minute or two without a cache"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 

@@ -30,7 +30,10 @@ if SYSTEM == "win32":
     sys.meta_path.insert(0, NoPosix())
     for name in ("fcntl", "pwd", "grp", "resource"):
         sys.modules.pop(name, None)
-    for name in ("geteuid", "getuid", "chown", "O_NONBLOCK", "O_NOFOLLOW", "mkfifo", "fchmod"):
+    missing = {"geteuid", "getuid", "chown", "O_NONBLOCK", "O_NOFOLLOW", "mkfifo", "fchmod"}
+    if sys.version_info >= (3, 14):
+        missing -= {"O_NONBLOCK"}  # its own library for this system asks for it
+    for name in missing:
         vars(os).pop(name, None)
     shutil._use_fd_functions = False
     for name in ("SIGHUP", "SIGKILL"):
