@@ -7,12 +7,12 @@ from pathlib import Path
 FUZZ = Path(__file__).parent.parent / "benchmarks" / "fuzz.py"
 
 
-def test_five_hundred_mutated_files_are_taken_or_refused_in_one_line():
+def test_two_hundred_mutated_files_are_taken_or_refused_in_one_line():
     done = subprocess.run(
-        [sys.executable, FUZZ, "--cases", "500", "--seed", "50000"], capture_output=True, text=True
+        [sys.executable, FUZZ, "--cases", "200", "--seed", "50000"], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout[-3000:]
-    assert "500 cases, 0 failed" in done.stdout
+    assert "200 cases, 0 failed" in done.stdout
 
 
 def test_a_case_that_fails_is_seen(tmp_path):

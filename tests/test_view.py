@@ -355,7 +355,13 @@ def watched():
     def start(*options):
         command = [sys.executable, "-m", "resonance_mj", "view", *options, "--web", "--port", "0"]
         process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=NO_DISPLAY
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env=NO_DISPLAY,
+            # What runs the tests may ignore it, as a shell does for what it runs in the background.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
         started.append(process)
         for line in process.stdout:
