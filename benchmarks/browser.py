@@ -1,4 +1,4 @@
-"""Frames a second of a report's scene in Chromium without a graphics processor, and of viser's page.
+"""Frames a second of a report's scene in Chromium without a GPU, and of a page of viser.
 
     python benchmarks/browser.py runs/seven-joint [--viser PYTHON]
 
