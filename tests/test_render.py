@@ -476,3 +476,42 @@ def test_overlays_are_measured_by_the_stiffest_spring_and_by_the_torque_without_
     thin = last.stiffness[-1] / frame_data.scale([last]).stiffness
     assert np.isclose(thin.max(), 1.0, rtol=0.01)
     assert thin[-1] < 1e-3
+
+
+@pytest.mark.opengl
+def test_a_camera_goes_around_the_arm_at_the_speed_that_is_asked_for(run, tmp_path):
+    still, going = (
+        filmed(run, tmp_path / f"{speed:g}.mp4", 0.0, 1.0, 2.0, orbit=speed, plots=False)
+        for speed in (0.0, 45.0)
+    )
+    apart = np.abs(still - going).mean(axis=(1, 2, 3))
+    assert apart[0] < 1.0  # it begins where a camera that stands is
+    assert apart[1] > 5.0
+    with pytest.raises(PictureError, match="orbit 1000: give"):
+        rmj.RenderOptions(orbit=1000.0)
+    with pytest.raises(PictureError, match="cannot go around"):
+        rmj.RenderOptions(orbit=1.0, camera="front")
+
+
+@pytest.mark.opengl
+def test_the_floor_has_no_edge_and_fades_into_the_horizon(run, tmp_path):
+    (frame,) = filmed(
+        run,
+        tmp_path / "far.mp4",
+        0.0,
+        0.1,
+        10.0,
+        size=(640, 360),
+        plots=False,
+        springs=False,
+        motors=False,
+        path=False,
+        head_up=False,
+        legend=False,
+        camera="90,-12,4",
+    )
+    column = frame[:, 40].mean(axis=1)  # beside the arm: the sky above, the floor below
+    steps = np.abs(np.diff(column))
+    horizon = slice(int(0.2 * len(column)), int(0.45 * len(column)))
+    assert steps[horizon].max() < 30, "no line where the floor ends"
+    assert column[5] > column[-5] + 40

@@ -52,6 +52,13 @@ def _picture(backgrounds: str, parts: dict[str, str]) -> list[Argument]:
             metavar="NAME|VIEW",
         ),
         flag("--follow", "go with the tool"),
+        argument(
+            "--orbit",
+            "go around the arm, degrees per second of the run",
+            metavar="SPEED",
+            type=float,
+            default=0.0,
+        ),
         argument("--background", f"{backgrounds}; sky", metavar="KIND", default="sky"),
         *(flag(f"--no-{part}", f"leave out {meaning}") for part, meaning in parts.items()),
     ]
@@ -62,7 +69,11 @@ def _chosen(options: Namespace, **more: Any) -> rmj.RenderOptions:
     names = (part.replace("-", "_") for part in PARTS)
     more |= {name: not getattr(options, f"no_{name}", False) for name in names}
     return rmj.RenderOptions(
-        camera=options.camera, follow=options.follow, background=options.background, **more
+        camera=options.camera,
+        follow=options.follow,
+        orbit=options.orbit,
+        background=options.background,
+        **more,
     )
 
 

@@ -10,6 +10,10 @@ from .frame_data import FrameData, Scale
 from .options import RenderOptions
 from .overlays import Overlays
 from .render_model import RenderModel
+from .surroundings import HORIZON
+
+FADES = 1.7, 7.0
+"""Where the floor begins to fade and where it has, as multiples of the arm's distance."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,12 @@ class FrameRenderer:
         self._overlays = Overlays(arm, self._camera)
         self._head_up = HeadUp(part.shown, options, width) if options.head_up else None
         self._legend = Legend(options, width)
+        fades = options.background == "sky"
+        if fades:  # as the renderer's context has it from its beginning
+            away = float(np.linalg.norm(arm.eye(self._camera) - self._camera.lookat))
+            _fade(arm.model, away)
         self._renderer = mujoco.Renderer(arm.model, height, width)
+        self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = fades
         self._pixels = np.empty((height, width, 3), np.uint8)
 
     def draw(self, whole: np.ndarray, frame: int) -> None:
@@ -90,7 +99,8 @@ class FrameRenderer:
         picture, shown = whole[:, part.left : part.right], part.shown
         sample = int(shown.sample[frame])
         self._overlays.show(shown, sample, part.scale, self._camera)
-        self._renderer.update_scene(self._data, self._camera)
+        for _ in range(2):  # an endless floor is laid beneath where the scene's camera was before
+            self._renderer.update_scene(self._data, self._camera)
         drawn = self._renderer.scene
         for geom in drawn.geoms[: drawn.ngeom]:
             if geom.type == mujoco.mjtGeom.mjGEOM_SKIN:
@@ -109,3 +119,10 @@ class FrameRenderer:
             self._head_up.draw(scene, sample)
         if part.plots:
             part.plots.draw(below, float(shown.time[sample]))
+
+
+def _fade(model: mujoco.MjModel, distance: float) -> None:
+    """Let what is far behind the arm, which is at a distance [m], fade into the horizon."""
+    fog = model.vis.map
+    fog.fogstart, fog.fogend = (far * distance / model.stat.extent for far in FADES)
+    model.vis.rgba.fog[:] = [*HORIZON, 1.0]

@@ -8,6 +8,8 @@ LEAST = 100
 """Columns of a run's part [pixels]."""
 GAP = 4
 """Columns between runs side by side [pixels]."""
+FASTEST = 720.0
+"""Speed of a camera that goes around the arm [degrees/s]."""
 BACKGROUNDS = ("sky", "white", "dark", "transparent")
 
 
@@ -20,6 +22,7 @@ class RenderOptions:
         camera: a camera's name in the model, "azimuth,elevation,distance" [degrees, degrees, m],
             or None for one that frames the motion.
         follow: whether the camera goes with the tool.
+        orbit: how fast the camera goes around the arm [degrees per second of the run].
         background: one of `BACKGROUNDS`.
         path: draw the desired path.
         trail: draw where the tool was in the last half cycle.
@@ -36,6 +39,7 @@ class RenderOptions:
     size: tuple[int, int] = (1280, 720)
     camera: str | None = None
     follow: bool = False
+    orbit: float = 0.0
     background: str = "sky"
     path: bool = True
     trail: bool = True
@@ -57,6 +61,10 @@ class RenderOptions:
         _ = self.view  # which says what is wrong with it
         if self.follow and self.camera is not None and self.view is None:
             raise PictureError(f"camera {self.camera!r} of the model cannot follow the tool")
+        if not abs(self.orbit) <= FASTEST:
+            raise PictureError(f"orbit {self.orbit:g}: give -{FASTEST:g} to {FASTEST:g} degrees/s")
+        if self.orbit and self.camera is not None and self.view is None:
+            raise PictureError(f"camera {self.camera!r} of the model cannot go around the arm")
 
     @property
     def channels(self) -> int:
