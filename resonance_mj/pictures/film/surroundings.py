@@ -59,7 +59,7 @@ def prepare(
         for geom in floors:
             geom.material, geom.rgba = "", [0, 0, 0, 0]
     for geom in floors:
-        geom.size = [0, 0, geom.size[2]]  # endless, as it is to what touches it
+        _make_endless(spec, geom)
     if options.background not in FLAT and not floors:
         poses = shown.q[shown.sample[:: max(1, len(shown.sample) // 20)]]
         every = np.arange(model.ngeom)
@@ -210,6 +210,14 @@ def _add_floor(spec: mujoco.MjSpec, height: float) -> None:
         contype=0,
         conaffinity=0,
     )
+
+
+def _make_endless(spec: mujoco.MjSpec, floor: mujoco.MjsGeom) -> None:
+    """Let a floor have no edge, as it has none to what touches it; its pattern keeps its size."""
+    material, half = spec.material(floor.material), np.array(floor.size[:2])
+    if material is not None and not material.texuniform and half.all():
+        material.texrepeat, material.texuniform = np.array(material.texrepeat) / (2 * half), True
+    floor.size = [0, 0, floor.size[2]]
 
 
 def _set_sky(spec: mujoco.MjSpec, background: str) -> None:
