@@ -17,8 +17,6 @@ from .options import RenderOptions
 FLAT = {"white": (1.0, 1.0, 1.0), "transparent": (1.0, 1.0, 1.0), "dark": (0.086, 0.094, 0.11)}
 """Backgrounds of one colour; they have no floor."""
 HORIZON, ZENITH = (0.93, 0.95, 0.97), (0.75, 0.80, 0.86)
-SHADOW = 8192
-"""Pixels along a side of the map of shadows: fewer make their edges jagged."""
 PREFIX = "resonance_mj_"
 """Begins the name of everything that is added."""
 RINGS = {"path": 97, "trail": 49, "spring": 120, "equilibrium": 4, "motor": 40}
@@ -68,7 +66,6 @@ def prepare(
         _add_floor(spec, float(lowest))
     _set_sky(spec, options.background)
     spec.visual.rgba.haze = [*HORIZON, 1.0]
-    spec.visual.quality.shadowsize = max(spec.visual.quality.shadowsize, SHADOW)
     # Overlays glow a little: their colours mean something, in the shadow as well.
     spec.add_material(name=f"{PREFIX}overlay", emission=0.15, specular=0.1)
     names = ["path"] * options.path + ["trail"] * options.trail
