@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ..text import listed
-from .sections import Finite, Name, Numbers, Positive, Rows, Section
+from .sections import Alone, Finite, Name, Numbers, Positive, Rows, Section
 
 MOST_CYCLES = 1_000_000
 """Cycles that a motion, and all of an experiment together, may have."""
 
+
+Times = Annotated[tuple[Annotated[Finite, Field(ge=0)], ...], Alone]
+"""Lengths of time [s]; one of them may stand alone."""
 
 GRADUAL = 4
 """Cycles from which a passage changes little enough from one to the next to be learned from."""
@@ -24,9 +28,9 @@ class Motion(Section):
     """How long the motion is repeated [s]: a whole number of periods."""
     period: Positive = 1.0
     """Cycle time T [s]: a whole number of time steps."""
-    shape: Literal["ellipse", "line", "eight", "polygon", "fourier", "csv"] = "ellipse"
-    """ellipse, line, eight, polygon: with rounded corners, fourier: an offset plus harmonics, or
-    csv: a smooth closed curve through waypoints."""
+    shape: Literal["ellipse", "line", "eight", "polygon", "points", "fourier", "csv"] = "ellipse"
+    """ellipse, line, eight, polygon: with rounded corners, points: from one to the next with rests,
+    fourier: an offset plus harmonics, or csv: a smooth closed curve through waypoints."""
     frame: Literal["world", "base", "tool"] = "world"
     """Whose axes and origin the motion's positions are given in: world, base: of the body that
     carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
@@ -50,6 +54,14 @@ class Motion(Section):
     """Number of corners of a polygon, the first on the plane's first coordinate; 4 if not given."""
     rounding: Annotated[float, Field(gt=1e-6, le=1)] | None = None
     """Share of a polygon's sides that its rounded corners take, up to 1; 0.5 if not given."""
+    points: Rows = ()
+    """Positions that the tool goes to and rests at, one after the other and then to the first again
+    [m]: a row each with a number per position coordinate; moves have minimum jerk."""
+    rests: Times = ()
+    """How long the tool rests at each of the points [s]; one number for all, 0 if not given."""
+    moves: Times = ()
+    """How long each move takes, the first from the first point to the second [s]; what the rests
+    leave of the period in equal parts if not given."""
     offset: Numbers | None = None
     """Mean of a fourier motion [m], one per coordinate."""
     sin: Rows = ()
@@ -85,6 +97,8 @@ class Motion(Section):
             raise ValueError(
                 "a motion of shape 'csv' needs file: the path of a CSV of waypoints, a row each"
             )
+        if self.shape == "points":
+            self._stops()
         numbers = len(self.offset or ())
         for name in ("rotation_sin", "rotation_cos", "sin", "cos"):
             rows = len(getattr(self, name))
@@ -109,6 +123,46 @@ class Motion(Section):
                 f"blend = {self.blend} leaves no cycle of the {self.cycles} that the motion has"
             )
         return self
+
+    def phases(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of a motion from point to point how long it rests at each, and each move takes [s]."""
+        count = len(self.points)
+        rests = np.zeros(count) + (self.rests or 0.0)
+        left = self.period - rests.sum()
+        moves = np.array(self.moves) if self.moves else np.full(count, left / count)
+        return rests, moves
+
+    def _stops(self) -> None:
+        """Raise where points, rests and moves do not fit each other and the period."""
+        count, widths = len(self.points), {len(row) for row in self.points}
+        if count < 2 or len(widths) > 1:
+            rows = listed(sorted(map(str, widths)), "none")
+            raise ValueError(
+                f"a motion of shape 'points' needs points: two or more rows of as many positions "
+                f"[m]; {count} were given, of {rows} numbers"
+            )
+        if len(self.rests) not in (0, 1, count) or len(self.moves) not in (0, count):
+            raise ValueError(
+                f"{len(self.rests)} rests and {len(self.moves)} moves for {count} points: give a "
+                "rest for each point, or one for all, and a move from each to the next"
+            )
+        rests, moves = self.phases()
+        if not (moves > 0).all():
+            raise ValueError(
+                f"rests of {rests.sum():g} s leave no time to move in a period of {self.period:g} s"
+                if not self.moves
+                else "moves: each needs a time above 0 s"
+            )
+        together = float(rests.sum() + moves.sum())
+        if abs(together - self.period) > 1e-9 * self.period:
+            raise ValueError(
+                f"rests and moves take {together:g} s together, and the period is {self.period:g} s"
+            )
+
+    @property
+    def in_a_plane(self) -> bool:
+        """Whether it has a center, a size and a plane, which can be found if they are not given."""
+        return "size" in _KEYS_OF_SHAPE[self.shape]
 
     @property
     def passage(self) -> int:
@@ -136,6 +190,7 @@ _KEYS_OF_SHAPE: dict[str, tuple[str, ...]] = {
     "line": _IN_PLANE,
     "eight": _IN_PLANE,
     "polygon": (*_IN_PLANE, "corners", "rounding"),
+    "points": ("points", "rests", "moves"),
     "fourier": ("offset", "sin", "cos"),
     "csv": ("file",),
 }

@@ -127,7 +127,7 @@ def sized(
         NoRoomError: the arm follows no size of it with margin.
         MotionError: its center is out of reach.
     """
-    if motion.size is not None or motion.shape in ("fourier", "csv"):
+    if motion.size is not None or not motion.in_a_plane:
         return motion
     robot = kinematics.robot
     size = SHARE * reach(robot)

@@ -13,6 +13,8 @@ from ..experiments.motion_section import Motion
 from ..robots.robot import Robot
 from ..text import listed, shown
 from . import rotations, waypoints
+from .minimum_jerk import minimum_jerk
+from .stops import point_to_point
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -70,7 +72,7 @@ def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "moti
     found: dict[str, object] = {}
     if motion.shape == "csv":
         _CURVES[_key(motion, robot)] = waypoints.read(*_key(motion, robot), name)
-    elif motion.shape != "fourier":
+    elif motion.in_a_plane:
         if motion.center is None:
             at, R = _frame(motion, robot)
             center = R.T @ (at_home[: len(axes)] - at)
@@ -110,9 +112,8 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     steps = len(after.x)
     r = ((cycle + np.arange(steps) / steps) / cycles)[:, None]
     length = cycles * period
-    sigma = _minimum_jerk(r)
-    d_sigma = 30 * r**2 * (1 - r) ** 2 / length
-    dd_sigma = 60 * r * (1 - r) * (1 - 2 * r) / length**2
+    sigma, d_sigma, dd_sigma = minimum_jerk(r)
+    d_sigma, dd_sigma = d_sigma / length, dd_sigma / length**2
     gap, d_gap, dd_gap = after.x - before.x, after.dx - before.dx, after.ddx - before.ddx
     x = before.x + sigma * gap
     dx = before.dx + sigma * d_gap + d_sigma * gap
@@ -159,6 +160,11 @@ def _check(motion: Motion, robot: Robot, name: str) -> None:
                 f"{name}: {key} is given, and the task has no rotation; its coordinates are "
                 f"{', '.join(axes)}: take {key} out, or add 'rotation' to task.coordinates"
             )
+    if motion.shape == "points" and len(motion.points[0]) != len(axes):
+        raise ExperimentError(
+            f"{name}: points have {len(motion.points[0])} numbers each; one per position of the "
+            f"task is needed: {listed(axes)}"
+        )
     nyquist = motion.steps(robot.model.opt.timestep) // 2
     for key in ("sin", "cos", "rotation_sin", "rotation_cos"):
         most = max(map(len, getattr(motion, key)), default=0)
@@ -209,6 +215,11 @@ def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
         curve = _CURVES.get(key) or waypoints.read(*key, "motion")
         phase, T = np.arange(steps) / steps, motion.period
         return curve(phase), curve(phase, 1) / T, curve(phase, 2) / T**2
+    if motion.shape == "points":
+        x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
+        for whole, part in zip((x, dx, ddx), point_to_point(motion, steps), strict=True):
+            whole[:, : part.shape[1]] = part
+        return x, dx, ddx
     parts = _polygon(motion, steps) if motion.shape == "polygon" else _curve(motion, steps)
     x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
     x[:, : len(robot.position_axes)] = motion.center
@@ -250,17 +261,12 @@ def _polygon(motion: Motion, steps: int) -> Parts:
     r = np.clip(past / rounding + 0.5, 0.0, 1.0)
     # The integral of σ is 5/2 r⁴ - 3 r⁵ + r⁶, and beyond the corner it grows with the time.
     gone = rounding * r**4 * (2.5 - 3 * r + r**2) + np.maximum(past - rounding / 2, 0.0)
-    rate = corners / motion.period
+    rate, (sigma, d_sigma, _) = corners / motion.period, minimum_jerk(r)
     return (
         corner[k] + past * before + gone * turn,
-        rate * (before + _minimum_jerk(r) * turn),
-        rate**2 * (30 * r**2 * (1 - r) ** 2 / rounding) * turn,
+        rate * (before + sigma * turn),
+        rate**2 * (d_sigma / rounding) * turn,
     )
-
-
-def _minimum_jerk(r: np.ndarray) -> np.ndarray:
-    """From 0 at r = 0 to 1 at r = 1, with first and second derivatives of 0 at both."""
-    return r**3 * (10 - 15 * r + 6 * r**2)
 
 
 def _with_rates(samples: Samples) -> Samples:
