@@ -14,7 +14,7 @@ from rich.console import Console
 
 import resonance_mj as rmj
 from resonance_mj import cli
-from resonance_mj.cli import tables
+from resonance_mj.cli import comparison_tables
 from resonance_mj.evaluation import comparison
 from resonance_mj.evaluation.comparison import Comparison, Verdict
 from resonance_mj.experiments.loading import for_robot
@@ -147,7 +147,7 @@ def test_what_a_comparison_cannot_say_it_leaves_out(changes, undefined, tmp_path
     rows = json.loads((found.save(tmp_path) / "compare.json").read_text(encoding="utf-8"))
     assert rows == found.rows()
     console = Console(file=io.StringIO(), width=120)
-    console.print(tables.comparison(found))
+    console.print(comparison_tables.comparison(found))
     assert "nan" not in console.file.getvalue()
 
 

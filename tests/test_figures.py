@@ -18,7 +18,7 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import OutputError, PictureError
 from resonance_mj.pictures import palette
-from resonance_mj.pictures.figures import catalogue, path, springs
+from resonance_mj.pictures.figures import asked, catalogue, path, springs
 from resonance_mj.pictures.figures.style import Look
 from resonance_mj.results.cycles import kept
 
@@ -30,7 +30,7 @@ SHORT = {
 }
 OF_ONE = [entry.name for entry in catalogue.FIGURES if not entry.several]
 DRAWN = {}
-WIDTHS = [catalogue.COLUMN, catalogue.PAGE]
+WIDTHS = [asked.COLUMN, asked.PAGE]
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def diverged(resonance_run):
     return run
 
 
-def drawn(name, runs, width=catalogue.PAGE):
+def drawn(name, runs, width=asked.PAGE):
     """A figure, laid out so that all of it has its place; each is drawn once, to be looked at."""
     key = name, width, *map(id, runs)
     if key not in DRAWN:
@@ -90,7 +90,7 @@ def test_no_words_touch_or_leave_a_page(runs, robot, name):
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("robot", ["two-link-transfer", "scara"])
 def test_no_words_touch_or_leave_a_column(runs, robot, name):
-    assert_readable(drawn(name, [runs[robot]], catalogue.COLUMN))
+    assert_readable(drawn(name, [runs[robot]], asked.COLUMN))
 
 
 def assert_readable(figure):
@@ -456,9 +456,9 @@ def test_the_help_names_every_figure_and_needs_nothing_to_draw_with():
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("size", [6.0, 10.0])
 def test_letters_of_another_size_and_family_touch_nothing_either(runs, name, size):
-    asked = Look(titled=True, font="serif", font_size=size)
+    wanted = Look(titled=True, font="serif", font_size=size)
     for width in WIDTHS:
-        figure = catalogue.named(name).draw([runs["two-link-transfer"]], width, asked)
+        figure = catalogue.named(name).draw([runs["two-link-transfer"]], width, wanted)
         FigureCanvasAgg(figure)
         figure.draw_without_rendering()
         assert_readable(figure)
@@ -484,16 +484,16 @@ def test_what_was_run_stands_above_a_figure_if_it_is_asked_for_or_went_wrong(run
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("options", "words"),
     [
         ({"font": "Comic Hans"}, "'Comic Hans' is not installed"),
         ({"font_size": 40.0}, "give points from 5 to 16"),
         ({"height": float("nan")}, "give inches from 1 to 20"),
     ],
 )
-def test_what_a_figure_cannot_look_like_is_refused_before_it_is_drawn(runs, tmp_path, asked, words):
+def test_no_figure_looks_like_what_cannot_be(runs, tmp_path, options, words):
     with pytest.raises(PictureError, match=words):
-        rmj.plot(runs["scara"], tmp_path / "none", **asked)
+        rmj.plot(runs["scara"], tmp_path / "none", **options)
     assert not (tmp_path / "none").exists()
 
 

@@ -11,11 +11,13 @@ from typing import NoReturn
 from ..errors import ExperimentError, ResonanceError
 from ..text import cut, nearest, one_line
 from . import (
+    comparison_commands,
     experiment_commands,
     keys_as_options,
     library_commands,
     run_commands,
     sweep_commands,
+    view_commands,
 )
 from .command import BAD_INPUT, DONE, ENDED_BY_SIGNAL, complain
 
@@ -23,14 +25,14 @@ COMMANDS = {
     "run": experiment_commands.run,
     "optimum": experiment_commands.optimum,
     "inspect": experiment_commands.inspect,
-    "compare": experiment_commands.compare,
+    "compare": comparison_commands.compare,
     "sweep": sweep_commands.sweep,
     "plot": run_commands.plot,
     "springs": run_commands.springs,
     "certify": run_commands.certify,
     "check": experiment_commands.check,
     "render": run_commands.render,
-    "view": run_commands.view,
+    "view": view_commands.view,
     "report": run_commands.report,
     "list": library_commands.list_,
     "keys": library_commands.keys,

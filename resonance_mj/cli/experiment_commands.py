@@ -179,40 +179,6 @@ def inspect(options: Namespace) -> None:
 
 
 @command(
-    EXPERIMENT,
-    ROBOT,
-    argument(
-        "--long",
-        "how often the last motion is repeated to see which law lasts; 1000, and 0 for not",
-        metavar="CYCLES",
-        type=int,
-        default=1000,
-    ),
-    argument("--out", "where to write; runs/NAME-compare", metavar="FOLDER", type=Path),
-    keys=True,
-    figures=True,
-)
-def compare(options: Namespace) -> None:
-    """The laws that users compare, on one experiment."""
-    experiment = keys_as_options.experiment(options)
-    from ..pictures.figures import comparison_figure
-    from ..pictures.figures.catalogue import save
-    from . import tables
-
-    folder = could_be_written(options.out or Path("runs") / f"{experiment.name}-compare")
-    screen = Screen(options)
-    with bar(f"{experiment.name}: all laws", "cycles", screen.console) as show:
-        found = rmj.compare(experiment, long=options.long, progress=show)
-    found.save(folder)
-    save(comparison_figure.figure(found), folder, "compare")
-    screen.table(found.rows(), tables.comparison(found))
-    screen.line(
-        f"{folder}: compare.svg, compare.png, compare.json, compare.csv, and a run in each of "
-        f"{', '.join(found.runs)}"
-    )
-
-
-@command(
     argument(
         "runs",
         "TOML files with [expect], folders of such, or built-in names; all in the working "

@@ -19,6 +19,9 @@ HELP = (
 ALONE = ("name", "reality")
 """Keys without a section: a text each, reality of a preset."""
 
+MAP = "--reality"
+"""Without a value, of `compare`: all imperfections."""
+
 EXPERIMENT = argument(
     "experiment", "a built-in name, a TOML file, or an arm", metavar="NAME|PATH", nargs="?"
 )
@@ -46,15 +49,20 @@ def split(arguments: list[str]) -> tuple[dict[str, Any], list[str]]:
     """Take the keys, `--law.beta 3`, `--law.beta=3` or `--name mine`, out of the arguments."""
     changes: dict[str, Any] = {}
     rest: list[str] = []
-    tokens = iter(arguments)
-    for token in tokens:
+    left = list(reversed(arguments))
+    while left:
+        token = left.pop()
         key, equals, text = token.removeprefix("--").partition("=")
         if not token.startswith("--") or not ("." in key or key in ALONE):
             rest.append(token)
             continue
         if not equals:
-            following = next(tokens, None)
+            following = left.pop() if left else None
             if following is None or following.startswith("--"):
+                if token == MAP and arguments[0] == "compare":
+                    rest.append(token)
+                    left += [following] if following else []
+                    continue
                 key = cut(key)
                 raise ExperimentError(f"--{key}: a value must follow, as in --{key}=VALUE")
             text = following

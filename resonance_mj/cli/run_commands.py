@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import resonance_mj as rmj
 
-from .. import library
 from ..errors import ExperimentError, PictureError
 from ..files import writable
 from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
-from ..pictures.viewer.clock import KEYS_HELP, PORT
 from ..progress import bar
-from . import keys_as_options
-from .command import DONE, NOT_WELL, Argument, Screen, argument, command, complain, flag
+from .command import Argument, Screen, argument, command, flag
 
 if TYPE_CHECKING:
     from ..evaluation.certificates.certificates import Certificates
@@ -42,8 +38,8 @@ def _runs(meaning: str) -> Argument:
     return argument("runs", f"a run's folder{meaning}", metavar="RUN", type=Path, nargs="+")
 
 
-def _picture(backgrounds: str, parts: dict[str, str]) -> list[Argument]:
-    """The arguments that `_chosen` reads, with these backgrounds and parts to leave out."""
+def picture(backgrounds: str, parts: dict[str, str]) -> list[Argument]:
+    """The arguments that `looks` reads, with these backgrounds and parts to leave out."""
     return [
         argument(
             "--camera",
@@ -64,8 +60,8 @@ def _picture(backgrounds: str, parts: dict[str, str]) -> list[Argument]:
     ]
 
 
-def _chosen(options: Namespace, **more: Any) -> rmj.RenderOptions:
-    """What the options of `_picture` ask for, and `more`."""
+def looks(options: Namespace, **more: Any) -> rmj.RenderOptions:
+    """What the options of `picture` ask for, and `more`."""
     names = (part.replace("-", "_") for part in PARTS)
     more |= {name: not getattr(options, f"no_{name}", False) for name in names}
     return rmj.RenderOptions(
@@ -183,13 +179,13 @@ def certificates(found: Certificates) -> list[dict[str, Any]]:
     argument("--speed", "seconds of the run per second of video; 1", type=float, default=1.0),
     argument("--fps", "frames per second; 30", type=float, default=30.0),
     argument("--size", "of the picture [pixels]; 1280x720", metavar="WxH", default="1280x720"),
-    *_picture("sky, white, dark or transparent", PARTS),
+    *picture("sky, white, dark or transparent", PARTS),
     argument("--label", "what the picture calls a run; one each", dest="labels", action="append"),
     argument("--workers", "processes that draw; one per core", metavar="N", type=int),
 )
 def render(options: Namespace) -> None:
     """Film a saved run, or several side by side and in step."""
-    chosen = _chosen(options, size=_size(options.size))
+    chosen = looks(options, size=_size(options.size))
     runs = [rmj.Run.load(folder) for folder in options.runs]
     labels = options.labels
     if labels is None and len({run.experiment.name for run in runs}) < len(runs):
@@ -218,74 +214,6 @@ def _size(text: str) -> tuple[int, int]:
     if not (width.isdecimal() and height.isdecimal()):
         raise PictureError(f"size {text!r}: give width and height in pixels, as in 1280x720")
     return int(width), int(height)
-
-
-@command(
-    argument(
-        "experiment",
-        "a run's folder, which is replayed; or a built-in name or a TOML file, which is "
-        "simulated while you watch",
-        metavar="RUN|NAME|PATH",
-        nargs="?",
-    ),
-    keys_as_options.ROBOT,
-    argument("--speed", "seconds of the run per second; 1", type=float, default=1.0),
-    *SPAN,
-    flag("--once", "close the window at the end; runs are repeated else"),
-    flag("--web", "on a page in the browser, which needs no display, also over SSH"),
-    argument("--port", f"of that page, 0 for any; {PORT}", metavar="N", type=int, default=PORT),
-    *_picture("sky, white or dark", {part: PARTS[part] for part in PARTS if part != "plots"}),
-    keys=True,
-    more=f"{KEYS_HELP}. ",
-)
-def view(options: Namespace) -> int:
-    """Watch a saved run again, or an experiment live, in MuJoCo's viewer."""
-    # Windows are GLFW's, whatever pictures are drawn with; MuJoCo reads this when it is imported.
-    if not options.web:
-        os.environ["MUJOCO_GL"] = "glfw"
-    what = _what(options)
-    screen = Screen(options)
-    failed = []
-
-    def ended(run: rmj.Run) -> None:
-        if run.status is not rmj.Status.OK:
-            failed.append(run)
-            complain(f"{run.experiment.name}: {run.status}: {run.message}")
-
-    rmj.view(
-        what,
-        speed=options.speed,
-        start=options.start,
-        stop=options.stop,
-        once=options.once,
-        options=_chosen(options),
-        note=screen.note,
-        ended=ended,
-        web=options.web,
-        port=options.port,
-    )
-    return NOT_WELL if failed else DONE
-
-
-def _what(options: Namespace) -> rmj.Run | rmj.Experiment:
-    """The run, or else the experiment, that the options ask for."""
-    if not _is_run(options.experiment):
-        return keys_as_options.experiment(options)
-    given = [f"--{key}" for key in options.changes] + ["--robot"] * (options.robot is not None)
-    if given:
-        raise ExperimentError(
-            f"{options.experiment}: a run is shown as it was: leave out {', '.join(given)}, or "
-            "give the name or path of its experiment, which is simulated anew"
-        )
-    return rmj.Run.load(options.experiment)
-
-
-def _is_run(given: str | None) -> bool:
-    """Whether a folder of a run is meant: one with a run in it is, whatever else has its name."""
-    path = Path(given or "")
-    if given is None or given in library.experiments():
-        return given is not None and (path / "run.nc").is_file()
-    return path.is_dir() or (len(path.parts) > 1 and path.suffix != ".toml" and not path.is_file())
 
 
 @command(

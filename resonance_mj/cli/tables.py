@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from ..evaluation.certificates.certificates import Certificates
     from ..evaluation.checks.check import Judgement
-    from ..evaluation.comparison import Comparison
     from ..plan.plan import Plan
     from ..results.motions import MotionOfRun
     from ..results.run import Run
@@ -77,7 +76,7 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
                 value = one.get(name)
                 if isinstance(value, list) and joint is not None:
                     value = value[joint]
-                cells.append(_times(value, scale, digits) if name in one else "")
+                cells.append(times(value, scale, digits) if name in one else "")
         drawn.add_row(label, *cells)
 
     def alone(label: str, cells: Sequence[str | Text]) -> None:
@@ -103,7 +102,7 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     alone("tracking RMS [mm]", [_small(one["tracking_rms"]) for one in found])
     if "rotation_rms" in run.data:
         alone("rotation RMS [mrad]", [_small(one["rotation_rms"]) for one in found])
-    alone("first cycle at the optimum", [_reached(motion) for motion in motions])
+    alone("first cycle at the optimum", [reached(motion) for motion in motions])
     alone("the last cycle is", [_verdict(motion) for motion in motions])
     return drawn
 
@@ -113,7 +112,7 @@ def _verdict(motion: MotionOfRun) -> Text:
     return Text(motion.verdict, style="bold red" if off else "")
 
 
-def _reached(motion: MotionOfRun) -> str:
+def reached(motion: MotionOfRun) -> str:
     """The cycle from which it is at the optimum; of nothing where there is no torque to compare."""
     if not len(motion.cycles) or not motion.torque_squared_optimal > 0:
         return NOTHING
@@ -192,55 +191,6 @@ def _ranges(cycles: np.ndarray) -> str:
     return ", ".join(f"{p[0]}-{p[-1]}" if p.size > 1 else f"{p[0]}" for p in parts)
 
 
-def comparison(found: Comparison) -> Table:
-    """Every law on every motion, in the motion's last cycle, and what became of it in the end."""
-    rows, motions = found.rows(), found.experiment.motion
-    of = found.runs[next(iter(found.runs))].motions[0].optimum_of
-    drawn = table(
-        f"{found.experiment.name}: last cycle of each motion",
-        "The best: the optimum of constant springs along the joint motion "
-        + ("desired" if of == "desired" else "made by each law")
-        + ". Cycles to the best: the first from which torque² stays within 5 % of it; off: the "
-        "tool is off its path, and its torque that of another motion. Energy: the sum over joints "
-        "of ∫|τ q̇| dt.",
-        tight=True,
-    )
-    for heading in (
-        "reduc-\ntion\n[%]",
-        "of the\nbest\n[%]",
-        "cycles\nto the\nbest",
-        "track-\ning\n[mm]",
-        "peak\ntorque\n[N m]",
-        "energy\n\n[J]",
-    ):
-        drawn.add_column(heading, justify="right", no_wrap=True)
-    if found.long:
-        cycles = next(iter(found.long.values())).experiment.motion[-1].cycles
-        drawn.add_column(f"torque² over\n{cycles} cycles\nof motion {len(motions)}")
-    for at in range(len(motions)):
-        mine = [row for row in rows if row["motion"] == at + 1]
-        best = sorted({_times(row["torque_reduction_optimal"], 100, 1) for row in mine})
-        drawn.add_section()
-        drawn.add_row(
-            f"motion {at + 1}: the best", best[0] if len(best) == 1 else "", "100.0", style="bold"
-        )
-        for row in mine:
-            motion = found.runs[row["law"]].motions[at]
-            off = bool(len(motion.cycles)) and not motion.tracks[-1]
-            drawn.add_row(
-                row["title"],
-                _times(row["torque_reduction"], 100, 1),
-                _times(row["share"], 100, 1),
-                "off" if off else _reached(motion),
-                _times(row["tracking_rms"], 1e3, 3),
-                number(row["peak_torque"], 2),
-                number(row["energy"], 2),
-                row["long_run"],
-                style="dim" if off else None,
-            )
-    return drawn
-
-
 def judgements(run: Run, found: list[Judgement]) -> Table:
     """What a run was expected to show, and what it shows."""
     from ..evaluation.checks import convergence
@@ -272,7 +222,8 @@ def judgements(run: Run, found: list[Judgement]) -> Table:
     return drawn
 
 
-def _times(value: float | None, scale: float, digits: int) -> str:
+def times(value: float | None, scale: float, digits: int) -> str:
+    """A multiple of a number with a fixed count of decimals."""
     return number(None if value is None else scale * value, digits)
 
 

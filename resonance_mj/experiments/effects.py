@@ -34,7 +34,7 @@ def _reasons(
     """The keys that have none, whether given or not, and why."""
     law, springs = experiment.law, experiment.springs
     kind, own = f"law.kind = {law.kind!r}", law.kind not in KINDS
-    adapts = own or law.kind in ("paper", "transfer")
+    adapts = own or law.kind in ("paper", "motor-torque", "transfer")
     learns = law.kind not in ("feedback", "computed-torque")
     by_hand = law.k_v is not None or law.k_p is not None
     if law.kind != "transfer":
@@ -70,10 +70,12 @@ def _reasons(
         yield "law.gamma_qe", f"{kind} does not adapt the springs' offset"
         if law.kind != "joint-space":
             yield "law.gamma_k", f"{kind} does not adapt the springs' stiffness"
+    if law.kind != "computed-torque":
+        yield "law.model_error", f"{kind} has no model"
     if not law.printed:
         yield "law.q_s", f"{kind} learns without (9), (10)"
-    rates = {"gamma_k", "gamma_qe"} if law.kind == "paper" else {"gamma_k"}
-    found = law.printed and not rates & law.model_fields_set
+    rates = {"gamma_k"} if law.kind == "joint-space" else {"gamma_k", "gamma_qe"}
+    found = (law.printed or law.kind == "motor-torque") and not rates & law.model_fields_set
     centred = found or np.any(law.gamma_k) or (adapts and np.any(law.gamma_qe))
     if law.kind == "joint-space":
         centred = centred or np.any(springs.initial_stiffness)

@@ -12,6 +12,7 @@ KINDS = (
     "learning",
     "fixed",
     "joint-space",
+    "motor-torque",
     "paper",
     "transfer",
     "computed-torque",
@@ -26,6 +27,8 @@ class Law(Section):
     """transfer: the spring takes over what it can of the learned torque; paper: (4)-(10); feedback:
     (4) without learning; learning: all torque is learned, the springs stay as they begin; fixed:
     the same with the optimal springs; joint-space: stiffness alone adapted to desired joint angles;
+    motor-torque: springs adapted to what the motors give along them (Nasiri et al., IEEE/ASME
+    Transactions on Mechatronics 2016);
     computed-torque: optimal springs and the torque that the model asks for; or the path of a Python
     file with a law of your own."""
     parameters: Annotated[tuple[float, ...], Alone] = ()
@@ -57,10 +60,12 @@ class Law(Section):
     the law as printed and 0.8 else if not given."""
     gamma_k: Gains = 0.0
     """Adaptation gain of the stiffness, (6) [N m/rad^3], one for all joints or one each; for the
-    printed laws 200 times the joints' inertia at home if neither gain is given."""
+    printed laws 200 times the joints' inertia at home if neither gain is given; of motor-torque, 10
+    if neither is given [1/(rad^2 s)]."""
     gamma_qe: Gains = 0.0
     """Adaptation gain of the offset torque, (7) [N m/rad], one for all joints or one each; for the
-    printed law 500 times the joints' inertia at home if neither gain is given."""
+    printed law 500 times the joints' inertia at home if neither gain is given; of motor-torque, 1
+    if neither is given [1/s]."""
     q_c: Literal["mean", "running"] | Angles = "mean"
     """Centre of the spring's regressor [rad]; "mean" is the mean angle of the first motion;
     "running", for the paper's law, the mean of each cycle as it ends, and home before."""
@@ -74,6 +79,8 @@ class Law(Section):
     """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
     given."""
 
+    model_error: Annotated[float, Field(ge=-1, le=10, allow_inf_nan=False)] = 0.0
+    """Share by which the model of computed-torque asks for more torque than the arm needs."""
     listens: bool | None = None
     """Whether the transfer law looks for noise and delay in its loop and for the weight of its arm,
     and tunes itself to them; where it is given no gain by hand, if not given."""
@@ -101,4 +108,4 @@ class Law(Section):
     @property
     def follows_joints(self) -> bool:
         """Whether the law is told the desired joint angles, and its gains act on theirs."""
-        return self.kind in ("joint-space", "computed-torque")
+        return self.kind in ("joint-space", "motor-torque", "computed-torque")

@@ -196,11 +196,15 @@ def joint_space(memory: np.ndarray) -> None:
 
 @step_function
 def adapt(memory: np.ndarray, q: np.ndarray) -> None:
-    """One explicit Euler step of (6), (7) at joint angles q (n,), within the springs' bounds."""
+    """One explicit Euler step of (6), (7) at joint angles q (n,), within the springs' bounds.
+
+    By motor torque, in place of y stands -τ: K̇ = -ε Ω Φ F of Nasiri et al., F the motors' torque.
+    """
     own = views(memory)
     dt = own.timestep
     for j in range(own.n):
-        gamma_k, gamma_qe, y = own.gamma_k[j], own.gamma_qe[j], own.y[j]
+        gamma_k, gamma_qe = own.gamma_k[j], own.gamma_qe[j]
+        y = own.y[j] if own.by_torque == 0.0 else -own.tau[j]
         if gamma_k == 0.0 and gamma_qe == 0.0:
             # On its way to where the law wants it, if its mechanism takes time.
             own.stiffness[j] += own.stiffness_step[j]

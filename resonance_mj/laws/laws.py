@@ -154,6 +154,7 @@ LAWS: dict[str, Law] = {
     "learning": _law(standard, all_torque),
     "fixed": _law(standard, all_torque, told=("springs",)),
     "joint-space": _law(joint_space, _in_joint_space, adapts=("gamma_k",), told=("joints",)),
+    "motor-torque": _law(joint_space, all_torque, adapts=("gamma_k", "gamma_qe"), told=("joints",)),
     "paper": _law(standard, as_printed, adapts=("gamma_k", "gamma_qe")),
     "transfer": _law(standard, spring_transfer, adapts=("gamma_k", "gamma_qe"), listens=True),
     "computed-torque": _law(joint_space, nothing, told=("joints", "springs", "torque")),

@@ -77,6 +77,7 @@ _SCALARS = (
     "length",  # in which s measures position errors [m]
     "alpha",
     "alpha_0",
+    "by_torque",
     "filtered",  # what the feedback's filters take over of y in a control period; 0 for none
     "slots",  # of the rings; 0 where the law sees what is and acts at once
     "delay",  # of measurement [time steps]

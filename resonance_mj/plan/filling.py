@@ -19,6 +19,9 @@ from ..text import Note, joined, shown
 GROWTH = 12
 """Cycles over which a motion grows that the motors cannot make before springs help them."""
 
+BY_TORQUE = {"gamma_k": 10.0, "gamma_qe": 1.0}
+"""Adaptation gains by motor torque: such a spring learns within seconds."""
+
 WEAK = 0.9
 """Share of a motor's limit above which its torque without springs is more than it can give."""
 
@@ -90,7 +93,11 @@ def adapting(experiment: Experiment, law: Law, robot: Robot, notes: list[str]) -
         notes: get a line of the gains.
     """
     given = experiment.law.model_fields_set
-    if not experiment.law.printed or given & set(law.adapts):
+    if given & set(law.adapts):
+        return experiment
+    if experiment.law.kind == "motor-torque":
+        return experiment.replace({f"law.{name}": rate for name, rate in BY_TORQUE.items()})
+    if not experiment.law.printed:
         return experiment
     rates = {name: gamma for name, gamma in adaptation(robot).items() if name in law.adapts}
     known = " and ".join(

@@ -50,6 +50,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("usual", 0.1 * robot.usual),
         # The sine of (5) is of metres, and turns back at π/2 of them: on larger arms, of reaches.
         ("length", 1.0 if law.printed else max(1.0, arm_reach(robot))),
+        ("by_torque", law.kind == "motor-torque"),
         ("alpha", chosen.alpha),
         ("alpha_0", chosen.alpha_0),
         ("timestep", dt),
@@ -158,6 +159,6 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
         load_springs(memory, index, plan.optima[segment].springs, plan.gains.bounds)
     if "torque" in told:  # of the motors that makes the desired motion with the best springs
         joints = plan.joint_motion(cycle)
-        needed = plan.loaded[segment].torque(joints)
+        needed = (1 + plan.experiment.law.model_error) * plan.loaded[segment].torque(joints)
         springs = plan.optima[segment].springs
         memory["learned"][index, : len(needed)] = needed - springs.torque(joints.q)

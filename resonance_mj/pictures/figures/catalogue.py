@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, cast
 
 from ...errors import PictureError
 from ...files import replacing, writable
-from ...text import listed, nearest, shown
+from ...text import nearest, shown
+from .asked import PAGE, inches, look
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,23 +24,11 @@ if TYPE_CHECKING:
     from ...results.run import Run
     from .style import Look
 
-COLUMN, PAGE = 3.5, 7.16
-"""Widths of a column and of a page with two columns in IEEE's journals [in]."""
-
 FORMATS = ("svg", "png")
 """As what a figure is written if nothing else is asked for."""
 
 DPI, DRAFT = 300.0, 170.0
 """Pixels per inch of a PNG, and of the one that each run leaves: in print, and on a screen."""
-
-NARROWEST, WIDEST = 3.0, 20.0
-"""Widths of a figure [in]."""
-
-LOWEST, SMALLEST, LARGEST = 1.0, 5.0, 16.0
-"""Least height of a figure [in], and sizes of its letters [pt]."""
-
-GENERIC = ("serif", "sans-serif", "monospace")
-"""Families of which matplotlib chooses the font."""
 
 COARSEST, FINEST = 50, 1200
 """Pixels per inch of a PNG."""
@@ -226,7 +215,7 @@ def plot(
             lacks what a figure shows.
         OutputError: the folder cannot be written.
     """
-    wide, asked = _inches(width), _look(height, title, font, font_size)
+    wide, asked = inches(width), look(height, title, font, font_size)
     unknown = [kind for kind in formats if kind not in KINDS]
     if unknown or not formats:
         what = f"format {shown(unknown[0])} is unknown" if unknown else "no format is given"
@@ -280,36 +269,6 @@ def save(
         with replacing(path) as beside, styled():
             drawn.savefig(beside, format=kind, dpi=dpi, metadata=KINDS[kind])
     return list(paths.values())
-
-
-def _inches(width: str | float) -> float:
-    """A width that a user gave [in]."""
-    try:
-        found = float({"column": COLUMN, "page": PAGE}.get(str(width), width))
-    except (TypeError, ValueError):
-        found = float("nan")
-    if not NARROWEST <= found <= WIDEST:
-        raise PictureError(
-            f"width {shown(width)}: give column, page, or inches from {NARROWEST:g} to {WIDEST:g}"
-        )
-    return found
-
-
-def _look(height: float | None, title: bool, font: str | None, size: float) -> Look:
-    """What a user asks of a figure."""
-    from matplotlib.font_manager import fontManager
-
-    from .style import Look
-
-    if height is not None and not LOWEST <= height <= WIDEST:
-        raise PictureError(f"height {shown(height)}: give inches from {LOWEST:g} to {WIDEST:g}")
-    if not SMALLEST <= size <= LARGEST:
-        raise PictureError(f"font size {shown(size)}: give points from {SMALLEST:g} to {LARGEST:g}")
-    known = [*GENERIC, *sorted({one.name for one in fontManager.ttflist})]
-    if font is not None and font not in known:
-        there = f"{nearest(font, known)}; there are {listed(known)}"
-        raise PictureError(f"font {shown(font)} is not installed{there}")
-    return Look(title, font, size, height)
 
 
 def _has(run: Run, needs: str) -> bool:

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from ...evaluation.certificates.certificates import ROUNDING, Certificate, Certificates
 from ..palette import DESIRED, MEASURED, MUTED, NOTE, OPTIMAL
-from .catalogue import PAGE
+from .asked import PAGE
 from .sheet import Row, Sheet
 from .style import if_titled, one_of, remark, styled
 from .ticks import counted, even, logarithmic

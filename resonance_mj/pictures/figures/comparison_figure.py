@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from ...evaluation.comparison import Comparison
 from ..palette import DESIRED, EARLY, MEASURED, MUTED, OPTIMAL, SERIES
 from . import convergence, cycles
-from .catalogue import PAGE
+from .asked import PAGE
 from .sheet import Row, Sheet
 from .style import if_titled, small, styled
 from .ticks import logarithmic

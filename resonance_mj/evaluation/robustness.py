@@ -1,0 +1,234 @@
+"""How much of the optimum each law keeps under each imperfection of a real arm."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..experiments.experiment import Experiment
+from ..files import writable, write
+from ..plan.plan import Plan, plan_for
+from ..progress import Asked
+from ..results.cycles import kept
+from ..results.run import Run
+from ..simulation.simulation import simulate_many
+from ..springs.fit import LinearSprings, fit
+from ..status import Status
+from ..text import minus, number
+from .comparison import Contender, contending
+
+CYCLES, LAST = 40, 5
+"""Cycles of each motion, and how many of the last the torque is a mean of."""
+
+LAWS = ("feedback", "learning", "printed-lead", "joint-space", "transfer")
+"""Of the laws that `compare` compares those that stand here, and two more."""
+
+MORE = (
+    Contender("motor-torque", "by motor torque", {"law.kind": "motor-torque"}),
+    Contender(
+        "wrong-model",
+        "computed torque, model 10 % wrong",
+        {"law.kind": "computed-torque", "law.model_error": 0.1},
+    ),
+)
+
+HARMONICS = 20
+"""Of the torque that a motion needs; beyond them is what feedback makes of noise."""
+
+
+class Imperfection(NamedTuple):
+    """What is not ideal, at three strengths."""
+
+    name: str
+    unit: str
+    strengths: tuple[float, float, float]
+
+    def changes(self, strength: float, plan: Plan) -> dict[str, Any]:
+        """Keys of an experiment, which is planned already."""
+        experiment = plan.experiment
+        if self.name == "payload":
+            mass = strength / 100 * float(plan.robot.model.body_subtreemass[0])
+            return {f"motion.{i}.payload": mass for i in range(len(experiment.motion))}
+        if self.name == "motors":
+            peaks = [np.abs(best.torque).max(axis=0) for best in plan.optima]
+            most = np.maximum(strength / 100 * np.max(peaks, axis=0), 1e-6)
+            return {"reality.motor_torque": most.tolist()}
+        return {f"reality.{self.name}": strength / SCALES.get(self.unit, 1.0)}
+
+
+SCALES = {"ms": 1e3, "%": 1e2}
+
+IMPERFECTIONS = (
+    Imperfection("encoder_noise", "rad", (1e-4, 3e-4, 1e-3)),
+    Imperfection("encoder_resolution", "rad", (5e-5, 4e-4, 1.5e-3)),
+    Imperfection("measurement_delay", "ms", (2.0, 5.0, 10.0)),
+    Imperfection("torque_delay", "ms", (2.0, 5.0, 10.0)),
+    Imperfection("control_period", "ms", (2.0, 5.0, 10.0)),
+    Imperfection("friction", "%", (1.0, 10.0, 30.0)),
+    Imperfection("motors", "%", (150.0, 125.0, 105.0)),
+    Imperfection("payload", "%", (10.0, 20.0, 40.0)),
+)
+"""Motors in percent of what the best springs leave at their peak, payloads of the file's mass."""
+
+
+MARKS = {
+    Status.NOT_TRACKING: "off path",
+    Status.DIVERGED: "diverged",
+    Status.DIVERGING: "diverging",
+    Status.IN_CONTACT: "in contact",
+}
+"""What is said of a run in the map, besides its figure."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A law under an imperfection, the worst of the motions.
+
+    Attributes:
+        law: its name.
+        imperfection: its name, or "ideal".
+        strength: in the imperfection's unit; 0 for ideal.
+        share: of the possible reduction of torque² that the springs found would give; None where
+            the run did not come to its end.
+        kept: reduction of torque² that the motors gave, as a share of what is possible; likewise.
+        tracking_rms: of the tool in the last cycle [m]; likewise.
+        status: how the run ended.
+        message: why.
+    """
+
+    law: str
+    imperfection: str
+    strength: float
+    share: float | None
+    kept: float | None
+    tracking_rms: float | None
+    status: str
+    message: str
+
+
+@dataclass(frozen=True)
+class RobustnessMap:
+    """Laws beside each other under imperfections.
+
+    Attributes:
+        experiment: on which they are compared.
+        titles: what each law is called, by its name.
+        cells: each law under each imperfection at each strength, laws within imperfections.
+    """
+
+    experiment: Experiment
+    titles: dict[str, str]
+    cells: tuple[Cell, ...]
+
+    def save(self, folder: Any) -> str:
+        """Write the cells as a table for a spreadsheet; returns the file's name.
+
+        Raises:
+            OutputError: the folder cannot be written.
+        """
+        text = io.StringIO()
+        table = csv.DictWriter(text, list(Cell.__dataclass_fields__), lineterminator="\n")
+        table.writeheader()
+        table.writerows(vars(cell) for cell in self.cells)
+        write(writable(folder), {"robustness.csv": text.getvalue().encode()})
+        return "robustness.csv"
+
+
+def robustness(
+    experiment: Experiment, *, threads: int = 0, progress: Asked = None
+) -> RobustnessMap:
+    """Simulate an experiment under each law and each imperfection at three strengths.
+
+    Args:
+        experiment: an ideal one; each motion is repeated 40 times after the passage into it that is
+            found, and each law has its default gains.
+        threads: how many to use; 0 for all cores.
+        progress: as for `simulate_many`.
+
+    Raises:
+        RobotError: the robot cannot be loaded.
+        MotionError: a motion leaves the arm's reach or passes through a singular pose.
+    """
+    motions: dict[str, Any] = {}
+    for i, one in enumerate(experiment.motion):
+        motions |= {f"motion.{i}.duration": CYCLES * one.period, f"motion.{i}.blend": None}
+    # Gains that somebody chose for an ideal arm would be compared, not laws.
+    base = experiment.replace({"law": {}}).replace(motions)
+    plan = plan_for(base, looks=False)
+    given = {law.name: (law, one) for law, one in contending(base)}
+    laws = [given[name] for name in LAWS]
+    laws += [(law, base.replace(law.changes)) for law in MORE]
+    ideal: list[tuple[str, float, dict[str, Any]]] = [("ideal", 0.0, {})]
+    rows = ideal + [
+        (one.name, strength, one.changes(strength, plan))
+        for one in IMPERFECTIONS
+        for strength in one.strengths
+    ]
+    each = [one.replace(changes) for _, _, changes in rows for _, one in laws]
+    runs = simulate_many(each, threads=threads, progress=progress)
+    names = [(law.name, name, strength) for name, strength, _ in rows for law, _ in laws]
+    cells = tuple(Cell(*at, **_figures(run)) for at, run in zip(names, runs, strict=True))
+    return RobustnessMap(base, {law.name: law.title for law, _ in laws}, cells)
+
+
+def _figures(run: Run) -> dict[str, Any]:
+    """What a run kept, in its worst motion."""
+    found: dict[str, Any] = dict.fromkeys(("share", "kept", "tracking_rms"))
+    last = {cycle.motion: cycle for cycle in kept(run)}
+    if all(len(one.cycles) >= LAST for one in run.motions) and run.status is not Status.DIVERGED:
+        shares, reductions, errors = [], [], []
+        for index, motion in enumerate(run.motions):
+            cycle = last[index]
+            # The springs of laws that change them within a cycle: what they exert, all in all.
+            acting = LinearSprings(
+                cycle.stiffness.mean(axis=0), cycle.offset.mean(axis=0), cycle.center
+            )
+            total = _smooth(cycle.tau + _exerted(cycle))
+            best = fit(cycle.q, total, run.plan.gains.bounds, cycle.center)
+            needed, left, least = (
+                float((torque**2).sum(axis=1).mean())
+                for torque in (total, total - acting.torque(cycle.q), total - best.torque(cycle.q))
+            )
+            shares.append((needed - left) / (needed - least) if needed > least else 1.0)
+            without = motion.torque_squared_without_springs
+            given = 1 - float(motion.torque_squared[-LAST:].mean()) / without
+            reductions.append(given / motion.torque_reduction_optimal)
+            errors.append(float(motion.tracking_rms[-1]))
+        found = {"share": min(shares), "kept": min(reductions), "tracking_rms": max(errors)}
+    return found | {"status": str(run.status), "message": run.message}
+
+
+def _exerted(cycle: Any) -> np.ndarray:
+    """What the springs of a cycle exerted at each of its samples (N, n) [N m]."""
+    acting = LinearSprings(cycle.stiffness, cycle.offset, cycle.center)
+    return np.asarray(acting.torque(cycle.q))
+
+
+def _smooth(torque: np.ndarray) -> np.ndarray:
+    spectrum = np.fft.rfft(torque, axis=0)
+    spectrum[HARMONICS + 1 :] = 0.0
+    return np.fft.irfft(spectrum, n=len(torque), axis=0)
+
+
+def written(cell: Cell) -> str:
+    """A cell in words: the reduction kept, or how the run ended if not well.
+
+    The torque of a tool that is off its path is that of another motion.
+    """
+    if cell.kept is None or cell.status != Status.OK:
+        return MARKS.get(Status(cell.status), cell.status)
+    kept = number(100 * cell.kept, 0) if cell.kept > -1 else f"{1 - cell.kept:.0f} ×"
+    return minus(kept)
+
+
+def described(name: str, strength: float) -> str:
+    """A row of the map in words."""
+    one = next((each for each in IMPERFECTIONS if each.name == name), None)
+    if one is None:
+        return name
+    of = {"motors": "motors at", "payload": "payload of"}.get(name, name.replace("_", " "))
+    return f"{of} {strength:g} {one.unit}"
