@@ -12,7 +12,8 @@ from resonance_mj.errors import ResonanceError
 from resonance_mj.experiments.motion_section import Motion
 from resonance_mj.motions import default_motion, motion, rotations
 from resonance_mj.motions.kinematics import Kinematics
-from resonance_mj.motions.motion import blended, resolve, sample
+from resonance_mj.motions.motion import resolve, sample
+from resonance_mj.motions.passing import blended, by_rest
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.reach import reach
 from resonance_mj.robots.robot import build
@@ -339,6 +340,28 @@ def test_a_passage_leaves_and_arrives_smoothly(name, cycles, request, folder):
         row = np.vstack([old.x[-1:], x, new.x[:1]])
         dt = 0.8 / STEPS
         assert np.allclose((row[2:] - row[:-2]) / (2 * dt), dx, atol=2e-3 * np.abs(dx).max())
+
+
+@pytest.mark.parametrize("name", ["planar", "turning"])
+def test_a_passage_by_way_of_a_small_motion_leaves_and_arrives_smoothly(name, request, folder):
+    robot, cycles = request.getfixturevalue(name), 6
+    turn = TURN if robot.rotates else {}
+    old = sample(filled(robot, **SHAPES["eight"]), STEPS, robot)
+    new = sample(filled(robot, **SHAPES["triangle"], **turn), STEPS, robot)
+    middles = old.x.mean(axis=0), new.x.mean(axis=0)
+    parts = [by_rest(old, new, middles, cycle, cycles, 0.8) for cycle in range(cycles)]
+    x, dx, ddx = (np.concatenate([getattr(part, key) for part in parts]) for key in new._fields[:3])
+    for whole, before, after in zip((x, dx, ddx), old[:3], new[:3], strict=True):
+        np.testing.assert_allclose(whole[0], before[0], atol=1e-12 * np.abs(before).max())
+        assert np.abs(whole[-1] - after[-1]).max() < 0.02 * np.abs(after).max()
+    if not robot.rotates:
+        dt = 0.8 / STEPS
+        for whole, rate in ((x, dx), (dx, ddx)):
+            found = (whole[2:] - whole[:-2]) / (2 * dt)
+            assert np.abs(found - rate[1:-1]).max() < 5e-3 * np.abs(rate).max()
+    # Half of the way through, what is left of the one and there of the other is small.
+    middle = slice(int(2.5 * STEPS), int(3.5 * STEPS))
+    assert np.ptp(x[middle], axis=0).max() < 0.5 * np.ptp(np.vstack([old.x, new.x]), axis=0).max()
 
 
 @pytest.mark.parametrize("cycles", [1, 2])

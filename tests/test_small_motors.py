@@ -111,3 +111,19 @@ def test_motors_too_weak_for_the_motion_with_any_springs_leave_a_bounded_error_t
     if not run.motions[0].tracks[-1]:
         assert run.status is Status.NOT_TRACKING
         assert "motor is at its limit" in run.message
+
+
+@pytest.mark.parametrize("spare", [1.5, 1.25, 1.05])
+def test_small_motors_pass_from_one_motion_to_the_next_by_way_of_a_small_one(spare):
+    """What lies between these two motions needs more than their optima's peaks."""
+    base = rmj.load("two-link-transfer").replace({"law": {}})
+    changes = {
+        f"motion.{i}.{key}": v for i in (0, 1) for key, v in (("duration", 40.0), ("blend", None))
+    }
+    base = base.replace(changes)
+    peaks = np.max([np.abs(best.torque).max(axis=0) for best in plan_for(base).optima], axis=0)
+    run = rmj.simulate(base.replace({"reality.motor_torque": (spare * peaks).tolist()}))
+    assert run.status is Status.OK, run.message
+    assert [motion.verdict for motion in run.motions] == ["at optimum"] * 2
+    assert [motion.passage.sum() for motion in run.motions] == [12, 12]
+    assert max(motion.tracking_rms[-1] for motion in run.motions) < 1e-4

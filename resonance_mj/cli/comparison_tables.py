@@ -19,8 +19,8 @@ def robustness(found: RobustnessMap) -> Table:
     """What each law keeps under each imperfection."""
     drawn = table(
         f"{found.experiment.name}: reduction of torque², of what is possible [%]",
-        "n ×: torque² is so many times that without springs. Each law with its default gains; the "
-        "worst of the motions.",
+        "n ×: torque² is so many times that without springs; off: the tool is off its path; ×: "
+        "diverged; ↑: diverging. Each law has its default gains; the worst of the motions.",
         tight=True,
     )
     for title in found.titles.values():
@@ -31,7 +31,8 @@ def robustness(found: RobustnessMap) -> Table:
         if at % (3 * laws) == laws:
             drawn.add_section()
         drawn.add_row(
-            described(row[0].imperfection, row[0].strength), *(written(cell) for cell in row)
+            described(row[0].imperfection, row[0].strength),
+            *(written(cell, short=True) for cell in row),
         )
     return drawn
 

@@ -76,12 +76,12 @@ IMPERFECTIONS = (
 
 
 MARKS = {
-    Status.NOT_TRACKING: "off path",
-    Status.DIVERGED: "diverged",
-    Status.DIVERGING: "diverging",
-    Status.IN_CONTACT: "in contact",
+    Status.NOT_TRACKING: ("off path", "off"),
+    Status.DIVERGED: ("diverged", "×"),
+    Status.DIVERGING: ("diverging", "↑"),
+    Status.IN_CONTACT: ("in contact", "hit"),
 }
-"""What is said of a run in the map, besides its figure."""
+"""What is said of a run in the map in place of its figure, and in short."""
 
 
 @dataclass(frozen=True)
@@ -214,13 +214,14 @@ def _smooth(torque: np.ndarray) -> np.ndarray:
     return np.fft.irfft(spectrum, n=len(torque), axis=0)
 
 
-def written(cell: Cell) -> str:
+def written(cell: Cell, *, short: bool = False) -> str:
     """A cell in words: the reduction kept, or how the run ended if not well.
 
     The torque of a tool that is off its path is that of another motion.
     """
     if cell.kept is None or cell.status != Status.OK:
-        return MARKS.get(Status(cell.status), cell.status)
+        words = MARKS.get(Status(cell.status), (cell.status, cell.status))
+        return words[short]
     kept = number(100 * cell.kept, 0) if cell.kept > -1 else f"{1 - cell.kept:.0f} ×"
     return minus(kept)
 

@@ -56,7 +56,7 @@ def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
         turn = _fourier((0.0, 0.0, 0.0), *rows, motion.period, steps)
         for part, more in zip(parts, turn, strict=True):
             part[:, -3:] += more
-    return _samples(*parts, robot.rotates)
+    return of_rates(*parts, robot.rotates)
 
 
 def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "motion") -> Motion:
@@ -93,41 +93,13 @@ def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "moti
     return resolved
 
 
-def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: float) -> Samples:
-    """One cycle of the passage from a motion to the next, smooth to the second derivative.
-
-    x = x_before + σ (x_after - x_before), with the minimum-jerk σ = 10 r³ - 15 r⁴ + 6 r⁵ of the
-    share r of the passage that has gone by. Of rotations it is the rotation vectors that are so
-    joined.
-
-    Args:
-        before: the motion that is left, over one cycle of the new one (N, m).
-        after: the motion that begins.
-        cycle: which cycle of the passage, from 0.
-        cycles: number of cycles of the passage.
-        period: cycle time of the new motion [s].
-    """
-    if after.rotates:
-        before, after = _with_rates(before), _with_rates(after)
-    steps = len(after.x)
-    r = ((cycle + np.arange(steps) / steps) / cycles)[:, None]
-    length = cycles * period
-    sigma, d_sigma, dd_sigma = minimum_jerk(r)
-    d_sigma, dd_sigma = d_sigma / length, dd_sigma / length**2
-    gap, d_gap, dd_gap = after.x - before.x, after.dx - before.dx, after.ddx - before.ddx
-    x = before.x + sigma * gap
-    dx = before.dx + sigma * d_gap + d_sigma * gap
-    ddx = before.ddx + sigma * dd_gap + 2 * d_sigma * d_gap + dd_sigma * gap
-    return _samples(x, dx, ddx, after.rotates)
-
-
 def in_a_row(parts: list[Samples]) -> Samples:
     """Motions of one task that follow each other, as one."""
     x, dx, ddx = (np.concatenate([part[i] for part in parts]) for i in range(3))
     return Samples(x, dx, ddx, parts[0].rotates)
 
 
-def _samples(x: np.ndarray, dx: np.ndarray, ddx: np.ndarray, rotates: bool) -> Samples:
+def of_rates(x: np.ndarray, dx: np.ndarray, ddx: np.ndarray, rotates: bool) -> Samples:
     """Samples of rates that are, of a rotation, those of its rotation vector."""
     if rotates:
         dx[:, -3:], ddx[:, -3:] = rotations.from_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
@@ -267,13 +239,6 @@ def _polygon(motion: Motion, steps: int) -> Parts:
         rate * (before + sigma * turn),
         rate**2 * (d_sigma / rounding) * turn,
     )
-
-
-def _with_rates(samples: Samples) -> Samples:
-    """With the rotation vector's own derivatives in place of angular velocity and acceleration."""
-    x, dx, ddx = samples.x, samples.dx.copy(), samples.ddx.copy()
-    dx[:, -3:], ddx[:, -3:] = rotations.to_rates(x[:, -3:], dx[:, -3:], ddx[:, -3:])
-    return Samples(x, dx, ddx, True)
 
 
 def _fourier(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..motions import motion as motions
+from ..motions import passing
 from ..motions.kinematics import JointMotion
 
 if TYPE_CHECKING:
@@ -55,4 +56,7 @@ def desired(plan: Plan, cycle: int) -> motions.Samples:
         old = motions.sample(left, length, plan.robot)
         at = (begun * steps + np.arange(steps)) % length
         before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
-    return motions.blended(before, samples, begun, motion.passage, motion.period)
+        if motion.gradual:
+            middles = old.x.mean(axis=0), samples.x.mean(axis=0)
+            return passing.by_rest(before, samples, middles, begun, motion.passage, motion.period)
+    return passing.blended(before, samples, begun, motion.passage, motion.period)
