@@ -239,7 +239,7 @@ def test_what_was_found_of_the_loop_is_said():
     assert late.status == "not tracking"
     assert "reality.measurement_delay" in late.message
     noisy = rmj.simulate(arm({"encoder_noise": 1e-3}, "seven-joint", cycles=20))
-    assert any("encoders are noisy" in note for note in noisy.notes)
+    assert any("the error is noisy" in note for note in noisy.notes)
     heavy = rmj.simulate(arm({}, **{"motion.0.payload": 4.0, "motion.1.payload": 4.0}))
     assert any("heavier than its file" in note for note in heavy.notes)
     ideal = rmj.simulate(arm({}, cycles=10))

@@ -56,7 +56,8 @@ class Tuning(NamedTuple):
         """What was found, and how the law acts on it, in words."""
         found, acts = [], f"the feedback acts with {percent(self.share, 0)} of its gain"
         if self.filtered:
-            found.append(f"encoders are noisy: {acts}, on a filtered error")
+            # By its ear a motor that goes from limit to limit is noise too.
+            found.append(f"the error is noisy, by encoders or motors at limits: {acts}, filtered")
         elif self.ratio < HEAVY:
             found.append(
                 f"the arm is heavier than its file, about {1 / self.ratio:.1f} times: {acts}"
