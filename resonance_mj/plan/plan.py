@@ -1,5 +1,6 @@
 """Everything that is known of an experiment before its first step, built once and passed on."""
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -33,7 +34,7 @@ from .passages import desired, passages
 T = TypeVar("T")
 
 Followed = dict[tuple[object, ...], object]
-"""Joint motions, and the torque that they need, by all that they depend on."""
+"""Arms, joint motions, the torque that they need and the best springs, by all they depend on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +83,12 @@ class Plan:
             torque = self._shared(load, partial(loaded.torque, joints))
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
-            best = best_springs(q, torque, center=center, period=motion.period, bounds=bounds)
-            found.append(best)
+            within = [np.asarray(part).tobytes() for part in (center, *bounds.stiffness)]
+            springs = "springs", *load, *within, experiment.springs.model_dump_json()
+            work = partial(
+                best_springs, q, torque, center=center, period=motion.period, bounds=bounds
+            )
+            found.append(self._shared(springs, work))
         return found
 
     @cached_property
@@ -244,7 +249,7 @@ def plan_for(
     """
     refuse_foreign()
     law = laws.load(experiment.law.kind)
-    robot = build(experiment, lambda n, m, dofs: layout_of(experiment, n, m, dofs).size)
+    robot = _built(experiment, {} if followed is None else followed)
     unloaded = Kinematics(robot)
     said = [*robot.notes, *law.said]
     experiment = adapting(experiment, law, robot, said)
@@ -274,6 +279,30 @@ def plan_for(
         _warned=warned,
     )
     return finished(plan, warned)
+
+
+def _built(experiment: Experiment, followed: Followed) -> Robot:
+    """The robot of an experiment, or a copy of one that was built for an experiment like it."""
+    carries = any(motion.payload > 0 for motion in experiment.motion)
+    how = experiment.simulation.model_copy(update={"samples": None})
+    springs = experiment.springs.model_dump_json()
+    most = experiment.reality.motor_torque
+    key = "robot", experiment.robot, experiment.task, how, springs, carries, most
+
+    def room(joints: int, coordinates: int, dofs: int) -> int:
+        return layout_of(experiment, joints, coordinates, dofs).size
+
+    known = followed.get(key)
+    if known is not None:
+        robot, size = cast("tuple[Robot, int]", known)
+        if size == room(robot.n, robot.m, robot.model.nv):
+            return replace(robot, model=copy.copy(robot.model))
+    robot = build(experiment, room)
+    followed[key] = (
+        replace(robot, model=copy.copy(robot.model)),
+        room(robot.n, robot.m, robot.model.nv),
+    )
+    return robot
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:

@@ -1,6 +1,7 @@
 """One motion of a run at a time: what every reader of a run asks for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,6 @@ class MotionOfRun:
         parameters_optimal: of the best ones, by their names.
         torque_squared_optimal: with the best constant springs [N² m²].
         torque_squared_without_springs: without any [N² m²].
-        samples: the per-time part of the run's data that belongs to the motion.
     """
 
     number: int
@@ -73,7 +73,13 @@ class MotionOfRun:
     parameters_optimal: dict[str, float]
     torque_squared_optimal: float
     torque_squared_without_springs: float
-    samples: xr.Dataset
+    _data: xr.Dataset = field(repr=False)
+
+    @cached_property
+    def samples(self) -> xr.Dataset:
+        """The per-time part of the run's data that belongs to the motion."""
+        of_sample = self._data["segment_of_sample"].values
+        return self._data.isel(time=np.flatnonzero(of_sample == self.number))
 
     @property
     def optimum_of(self) -> str:
@@ -178,7 +184,7 @@ def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
     Args:
         data: `Run.data`.
     """
-    of_cycle, of_sample = data["segment_of_cycle"].values, data["segment_of_sample"].values
+    of_cycle = data["segment_of_cycle"].values
     found = []
     for row, number in enumerate(data["segment"].values.tolist()):
         cycles = of_cycle == number
@@ -198,7 +204,7 @@ def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
                 },
                 cycles=data["cycle"].values[cycles],
                 center=data["center_per_cycle"].values[cycles],
-                samples=data.isel(time=np.flatnonzero(of_sample == number)),
+                _data=data,
                 **{name: data[name].values[cycles] for name in _PER_CYCLE},
                 **{name: data[f"{name}_per_cycle"].values[cycles] for name in _SPRINGS},
                 **{name: data[name].values[row] for name in _RANGE},

@@ -30,6 +30,9 @@ from .dataset import Outcome
 SHARD = 16
 """Experiments that are simulated together and kept together."""
 
+REMEMBERED = 500
+"""Arms, joint motions and optima that experiments of a sweep may have in common."""
+
 WHOLE, TABLE, SETTINGS = "sweep.nc", "summary.csv", "sweep.json"
 """Files of a finished sweep, and the one that says of which sweep a folder is."""
 
@@ -112,10 +115,13 @@ def _swept(
             shutil.rmtree(folder / "shards", ignore_errors=True)
             return found
     outcomes: list[Outcome] = []
+    followed: Followed = {}
     for name, shard in zip(names, shards, strict=True):
         kept = None if folder is None else dataset.read(folder / "shards" / name)
         if kept is None:
-            kept = simulated(shard, threads)
+            kept = simulated(shard, threads, followed)
+            if len(followed) > REMEMBERED:  # of a sweep whose motions differ
+                followed.clear()
             if folder is not None:
                 write(folder / "shards", {name: dataset.written(kept)})
         outcomes += kept
@@ -153,14 +159,17 @@ class _Made:
         return told.hexdigest()
 
 
-def simulated(experiments: Sequence[Experiment], threads: int = 0) -> list[Outcome]:
+def simulated(
+    experiments: Sequence[Experiment], threads: int = 0, followed: Followed | None = None
+) -> list[Outcome]:
     """What comes of experiments, those that can begin together; only what is said of each is kept.
 
     Args:
         experiments: what to simulate.
         threads: how many to use; 0 for all cores.
+        followed: what those before have in common with these, taken from here and added here.
     """
-    followed: Followed = {}
+    followed = {} if followed is None else followed
     plans, outcomes = {}, {}
     for index, experiment in enumerate(experiments):
         if "samples" not in experiment.simulation.model_fields_set:
