@@ -15,6 +15,7 @@ import xarray as xr
 import resonance_mj as rmj
 from resonance_mj.cli import main
 from resonance_mj.experiments.sweeping import load_sweep
+from resonance_mj.pictures.figures import sweep_figure
 
 SHORT = (
     rmj.load("two-link-transfer")
@@ -204,3 +205,23 @@ def test_the_sweeps_that_come_with_the_program_can_be_made():
     for name in ("gains", "tempo"):
         sweep = load_sweep(name)
         assert len(sweep.experiments()) == sweep.size > 5
+
+
+def test_what_is_predicted_to_diverge_is_beside_what_did(tmp_path):
+    settings = {"experiment": "two-link-transfer", "predict": True}
+    fixed = {"law.kind": "learning", "motion.0.duration": 60.0, "motion.1.duration": 2.0}
+    keys = {"law.beta": [2.0, 40.0], "law.lead": [1, 2]}
+    path = tmp_path / "sweep.toml"
+    lines = [f"{key} = {json.dumps(value)}" for key, value in settings.items()]
+    lines += ["[fixed]", *(f"{key} = {json.dumps(value)}" for key, value in fixed.items())]
+    lines += ["[keys]", *(f"{key} = {json.dumps(value)}" for key, value in keys.items())]
+    path.write_text("\n".join(lines))
+    data = rmj.sweep(path)
+    diverged = (data["status"] == "diverged").values
+    np.testing.assert_array_equal(diverged, [[False, False], [True, True]])
+    np.testing.assert_array_equal(data["predicted_to_diverge"].values, diverged)
+    (file, *_) = rmj.plot(data, tmp_path, figures=["torque_squared"], formats=["svg"])
+    assert "diverges beyond the line" in file.read_text(encoding="utf-8")
+    drawn = sweep_figure.figure(data, "torque_squared", 7.16)
+    ends = [line.get_xydata().tolist() for line in drawn.axes[0].lines]
+    assert ends == [[[1, 0], [1, 1]], [[1, 1], [1, 2]]]

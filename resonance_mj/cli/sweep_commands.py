@@ -38,7 +38,8 @@ def sweep(options: Namespace) -> int:
         screen.table(figures)
         screen.line(line)
         return DONE
-    with bar(f"{folder.name}: preparing", "runs", screen.console, settings.size) as show:
+    name = folder.name
+    with bar(f"{name}: preparing", "runs", screen.console, settings.size, then=name) as show:
         found = rmj.sweep(
             options.sweep, folder=folder, threads=options.threads, yes=options.yes, progress=show
         )

@@ -68,6 +68,9 @@ class Sweep(Section):
     """How a sample is drawn: evenly, by Sobol's sequence, or at random."""
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
     """Of a sample."""
+    predict: bool = False
+    """Whether it is found too, before each run, if by the linear analysis its learning or its
+    feedback diverges, in this run or later; it takes some hundredths of a second each."""
     fixed: dict[str, Any] = Field(default={})
     """Keys that all change, and their values."""
     keys: Annotated[dict[str, Range | list[Any]], Field(min_length=1)]

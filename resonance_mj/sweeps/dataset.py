@@ -42,6 +42,7 @@ class Outcome:
         joints: names of the arm's joints.
         motions: figures of each motion's last whole cycle, as in summary.json.
         cycles: of each name in `PER_CYCLE`, the values of all cycles.
+        diverges: whether it diverges by the linear analysis; None where that was not asked for.
     """
 
     status: str
@@ -49,10 +50,11 @@ class Outcome:
     joints: list[str]
     motions: list[dict[str, Any]]
     cycles: dict[str, list[float]]
+    diverges: bool | None = None
 
     @classmethod
-    def of(cls, run: Run) -> Outcome:
-        """What is kept of a run."""
+    def of(cls, run: Run, diverges: bool | None = None) -> Outcome:
+        """What is kept of a run, and whether it was predicted to diverge."""
         summary, data = run.summary(), run.data
         return cls(
             status=summary["status"],
@@ -62,6 +64,7 @@ class Outcome:
                 {name: one[name] for name in (*FIGURES, *PER_JOINT)} for one in summary["segments"]
             ],
             cycles={name: finite(data[name].values.tolist()) for name in PER_CYCLE},
+            diverges=diverges,
         )
 
     @classmethod
@@ -136,6 +139,9 @@ def of(settings: Sweep, outcomes: Sequence[Outcome]) -> xr.Dataset:
         "status": (dims, np.array([one.status for one in outcomes]).reshape(shape)),
         "message": (dims, np.array([one.message for one in outcomes]).reshape(shape)),
     }
+    if settings.predict:
+        told = [np.nan if one.diverges is None else float(one.diverges) for one in outcomes]
+        data["predicted_to_diverge"] = dims, np.array(told).reshape(shape)
     for name in (*FIGURES, *PER_JOINT):
         inner = ("motion", "joint") if name in PER_JOINT else ("motion",)
         data[name] = filled(inner, [[one[name] for one in run.motions] for run in outcomes])

@@ -119,7 +119,7 @@ def _swept(
     for name, shard in zip(names, shards, strict=True):
         kept = None if folder is None else dataset.read(folder / "shards" / name)
         if kept is None:
-            kept = simulated(shard, threads, followed)
+            kept = simulated(shard, threads, followed, predict=settings.predict)
             if len(followed) > REMEMBERED:  # of a sweep whose motions differ
                 followed.clear()
             if folder is not None:
@@ -160,7 +160,11 @@ class _Made:
 
 
 def simulated(
-    experiments: Sequence[Experiment], threads: int = 0, followed: Followed | None = None
+    experiments: Sequence[Experiment],
+    threads: int = 0,
+    followed: Followed | None = None,
+    *,
+    predict: bool = False,
 ) -> list[Outcome]:
     """What comes of experiments, those that can begin together; only what is said of each is kept.
 
@@ -168,6 +172,7 @@ def simulated(
         experiments: what to simulate.
         threads: how many to use; 0 for all cores.
         followed: what those before have in common with these, taken from here and added here.
+        predict: whether to find as well if they diverge by the linear analysis.
     """
     followed = {} if followed is None else followed
     plans, outcomes = {}, {}
@@ -183,7 +188,8 @@ def simulated(
             plans[index] = plan
     runs = simulate_together(list(plans.values()), threads=threads)
     for index, run in zip(plans, runs, strict=True):
-        outcomes[index] = Outcome.of(run)
+        diverges = bool(plans[index].unstable) if predict else None
+        outcomes[index] = Outcome.of(run, diverges)
     return [outcomes[index] for index in range(len(experiments))]
 
 

@@ -1,5 +1,7 @@
 """A sweep as a figure: a line over one key, a map over two, or all runs over each of more keys."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -18,6 +20,9 @@ LABELS = {
     "tracking_rms": "tracking RMS [m]",
 }
 """What axes are called, where the variable's name and unit would say less."""
+
+PREDICTED = "predicted_to_diverge"
+"""Of a sweep with `predict`: what the linear analysis says."""
 
 BAD = "0.85"
 """Colour of runs without a value: that never got there, diverged or were refused."""
@@ -51,13 +56,17 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
     mapped = grid and len(keys) == 2
     words = [if_titled(data.attrs["title"].removeprefix("resonance-mj "))]
     words += ["grey where a run is not ok, or never gets there"] * mapped
-    if heading := ": ".join(filter(None, words)):
+    predicts = mapped and PREDICTED in data
+    words += ["the linear analysis: diverges beyond the line"] * predicts
+    if heading := "; ".join(filter(None, words)):
         drawn.suptitle(heading, x=0.01, ha="left", fontsize=enlarged() * HEADING)
     axes = drawn.subplots(panels, motions, squeeze=False, sharey="row")
     for column, motion in enumerate(data["motion"].values):
         of_motion = values.sel(motion=motion)
         if mapped:
             cells = _map(axes[0, column], of_motion, keys, _norm(values))
+            if predicts:
+                _boundary(axes[0, column], data[PREDICTED].transpose(*keys).values.T)
             if column == motions - 1:
                 bar = drawn.colorbar(cells, ax=list(axes[0]))
                 bar.set_label(label(data, metric), labelpad=8)
@@ -110,6 +119,15 @@ def _map(ax: Axes, values: xr.DataArray, keys: list[str], norm: Normalize) -> Qu
         axis.set_ticks(np.arange(len(ticks))[::step] + 0.5, [_tick(t) for t in ticks[::step]])
         axis.set_label_text(key)
     return cells
+
+
+def _boundary(ax: Axes, diverges: np.ndarray) -> None:
+    """A line between cells of which one is predicted to diverge (rows, columns) and one is not."""
+    line: dict[str, Any] = {"color": DESIRED, "linewidth": 1.6, "solid_capstyle": "round"}
+    for row, column in np.argwhere(diverges[:, 1:] != diverges[:, :-1]):
+        ax.plot([column + 1, column + 1], [row, row + 1], **line)
+    for row, column in np.argwhere(diverges[1:] != diverges[:-1]):
+        ax.plot([column, column + 1], [row + 1, row + 1], **line)
 
 
 def _over(ax: Axes, values: xr.DataArray, status: xr.DataArray, key: str, *, joined: bool) -> None:
