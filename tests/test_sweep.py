@@ -225,3 +225,20 @@ def test_what_is_predicted_to_diverge_is_beside_what_did(tmp_path):
     drawn = sweep_figure.figure(data, "torque_squared", 7.16)
     ends = [line.get_xydata().tolist() for line in drawn.axes[0].lines]
     assert ends == [[[1, 0], [1, 1]], [[1, 1], [1, 2]]]
+
+
+def test_seeds_are_a_spread_about_their_median(tmp_path):
+    one = rmj.load("two-link-transfer").motion[0].model_dump() | {"duration": 20.0, "blend": 1}
+    base = rmj.load("two-link-transfer").replace({"law": {}, "motion": [one]})
+    keys = {"reality.encoder_noise": [1e-4, 1e-3], "reality.seed": [0, 1, 2]}
+    data = rmj.sweep(base, keys)
+    assert (data["status"] == "ok").all()
+    of_motion = data["tracking_rms"].sel(motion=1)
+    assert of_motion.std("reality.seed").min() > 0
+    ax = sweep_figure.figure(data, "tracking_rms", 7.16).axes[0]
+    (line, *_) = ax.lines
+    np.testing.assert_allclose(line.get_ydata(), of_motion.median("reality.seed"))
+    (band,) = ax.collections
+    low, high = band.get_paths()[0].vertices[:, 1].min(), band.get_paths()[0].vertices[:, 1].max()
+    assert (low, high) == pytest.approx((float(of_motion.min()), float(of_motion.max())))
+    assert ax.get_xlabel() == "reality.encoder_noise"

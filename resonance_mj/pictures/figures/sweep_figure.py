@@ -21,6 +21,9 @@ LABELS = {
 }
 """What axes are called, where the variable's name and unit would say less."""
 
+SEED = "reality.seed"
+"""Of a grid over it the median is drawn, and over one other key the spread."""
+
 PREDICTED = "predicted_to_diverge"
 """Of a sweep with `predict`: what the linear analysis says."""
 
@@ -46,8 +49,13 @@ def figure(data: xr.Dataset, metric: str, width: float, asked: Look | None = Non
 
 
 def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
-    values = _values(data, metric)
+    values, well = _values(data, metric), data["status"] == "ok"
     keys = [str(name) for name in data.coords if name not in ("motion", "joint", "cycle", "run")]
+    ends: list[xr.DataArray] = []
+    if SEED in data.dims and len(keys) > 1:
+        keys.remove(SEED)
+        ends, well = [values.min(SEED), values.max(SEED)], well.all(SEED)
+        values = values.median(SEED, skipna=False)
     grid = all(key in data.dims for key in keys)
     panels = 1 if grid and len(keys) < 3 else len(keys)
     motions = data.sizes["motion"]
@@ -56,6 +64,7 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
     mapped = grid and len(keys) == 2
     words = [if_titled(data.attrs["title"].removeprefix("resonance-mj "))]
     words += ["grey where a run is not ok, or never gets there"] * mapped
+    words += [f"median{'' if mapped else ' and spread'} over seeds"] * bool(ends)
     predicts = mapped and PREDICTED in data
     words += ["the linear analysis: diverges beyond the line"] * predicts
     if heading := "; ".join(filter(None, words)):
@@ -66,13 +75,18 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
         if mapped:
             cells = _map(axes[0, column], of_motion, keys, _norm(values))
             if predicts:
-                _boundary(axes[0, column], data[PREDICTED].transpose(*keys).values.T)
+                told = data[PREDICTED].max(SEED) if ends else data[PREDICTED]
+                _boundary(axes[0, column], told.transpose(*keys).values.T)
             if column == motions - 1:
                 bar = drawn.colorbar(cells, ax=list(axes[0]))
                 bar.set_label(label(data, metric), labelpad=8)
         else:
             for row, key in enumerate(keys[:panels]):
-                _over(axes[row, column], of_motion, data["status"], key, joined=len(keys) == 1)
+                ax, alone = axes[row, column], len(keys) == 1
+                _over(ax, of_motion, ~well, key, joined=alone)
+                if alone and ends and values[key].dtype.kind == "f":
+                    low, high = (end.sel(motion=motion).values for end in ends)
+                    ax.fill_between(values[key].values, low, high, color=SERIES[0], alpha=0.2, lw=0)
                 axes[row, 0].set_ylabel(label(data, metric))
         axes[0, column].set_title(f"motion {motion}")
     return drawn
@@ -130,7 +144,7 @@ def _boundary(ax: Axes, diverges: np.ndarray) -> None:
         ax.plot([column, column + 1], [row + 1, row + 1], **line)
 
 
-def _over(ax: Axes, values: xr.DataArray, status: xr.DataArray, key: str, *, joined: bool) -> None:
+def _over(ax: Axes, values: xr.DataArray, failed: xr.DataArray, key: str, *, joined: bool) -> None:
     """Values over a key; crosses at the bottom where runs are not ok."""
     place = xr.broadcast(values[key], values)[0].values.ravel()
     number = place.dtype.kind == "f"
@@ -140,7 +154,7 @@ def _over(ax: Axes, values: xr.DataArray, status: xr.DataArray, key: str, *, joi
         ax.set_xticks(range(len(names)), [_tick(name) for name in names])
     y = values.values.ravel()
     ax.plot(place, y, "o-" if joined else "o", markersize=3, color=SERIES[0])
-    bad = (status != "ok").values.ravel()
+    bad = failed.values.ravel()
     across = ax.get_xaxis_transform()
     ax.plot(place[bad], np.full(bad.sum(), 0.03), "x", color=DESIRED, transform=across)
     ratios = np.diff(np.log(np.unique(place))) if number and (place > 0).all() else np.zeros(0)
