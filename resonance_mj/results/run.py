@@ -187,7 +187,7 @@ class Run:
                 "versions": self.versions,
                 "steps": self.steps,
                 "simulation_wall_s": self.simulation_wall_s,
-                "segments": [motion.summary() for motion in self.motions],
+                "segments": [motion.summary() for motion in motions(self.data)],
             }
         )
 
