@@ -249,6 +249,7 @@ def test_a_wheel_made_of_the_source_archive_works_outside_the_checkout(tmp_path)
     assert {path.name for path in (inside / "sweeps").iterdir()} == {
         "gains.toml",
         "robustness.toml",
+        "stability.toml",
         "tempo.toml",
     }
     here = tmp_path / "empty"
