@@ -102,7 +102,7 @@ def test_springs_by_motor_torque_come_to_the_optimum_of_the_paper_s_arm():
 
 
 def test_a_wrong_model_asks_for_so_much_more_torque():
-    changes = {"law": {"kind": "computed-torque", "model_error": 0.1}, "motion.0.duration": 2.0}
+    changes = {"law": {"kind": "computed-torque", "overestimate": 0.1}, "motion.0.duration": 2.0}
     run = rmj.simulate(rmj.load("two-link-transfer").replace(changes))
     plan = plan_for(run.experiment)
     needed = plan.loaded[0].torque(plan.joints[0])

@@ -32,7 +32,7 @@ MORE = (
     Contender(
         "wrong-model",
         "computed torque, model 10 % wrong",
-        {"law.kind": "computed-torque", "law.model_error": 0.1},
+        {"law.kind": "computed-torque", "law.overestimate": 0.1},
     ),
 )
 

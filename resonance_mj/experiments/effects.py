@@ -71,7 +71,7 @@ def _reasons(
         if law.kind != "joint-space":
             yield "law.gamma_k", f"{kind} does not adapt the springs' stiffness"
     if law.kind != "computed-torque":
-        yield "law.model_error", f"{kind} has no model"
+        yield "law.overestimate", f"{kind} has no model"
     if not law.printed:
         yield "law.q_s", f"{kind} learns without (9), (10)"
     rates = {"gamma_k"} if law.kind == "joint-space" else {"gamma_k", "gamma_qe"}

@@ -79,7 +79,7 @@ class Law(Section):
     """Harmonics of 1/T that the learned torque keeps; all for the law as printed and 20 else if not
     given."""
 
-    model_error: Annotated[float, Field(ge=-1, le=10, allow_inf_nan=False)] = 0.0
+    overestimate: Annotated[float, Field(ge=-1, le=10, allow_inf_nan=False)] = 0.0
     """Share by which the model of computed-torque asks for more torque than the arm needs."""
     listens: bool | None = None
     """Whether the transfer law looks for noise and delay in its loop and for the weight of its arm,

@@ -159,6 +159,6 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
         load_springs(memory, index, plan.optima[segment].springs, plan.gains.bounds)
     if "torque" in told:  # of the motors that makes the desired motion with the best springs
         joints = plan.joint_motion(cycle)
-        needed = (1 + plan.experiment.law.model_error) * plan.loaded[segment].torque(joints)
+        needed = (1 + plan.experiment.law.overestimate) * plan.loaded[segment].torque(joints)
         springs = plan.optima[segment].springs
         memory["learned"][index, : len(needed)] = needed - springs.torque(joints.q)
