@@ -22,8 +22,9 @@ def logarithmic(ax: Axes) -> None:
         return
     ax.set_yscale("log")
     low, high = ax.get_ylim()
-    near = high / low < 400  # decades alone would leave an axis without numbers
     room = max(2, min(7, int(_inches(ax)[1] / LINE / enlarged())))
+    # Over few decades these alone would leave an axis without numbers.
+    near = high / low < max(100.0, 10 ** (room / 3))
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if near else (1.0,), numticks=room))
     ax.yaxis.set_major_formatter(_number)
     ax.yaxis.set_minor_locator(NullLocator())
