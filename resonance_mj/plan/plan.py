@@ -1,6 +1,5 @@
 """Everything that is known of an experiment before its first step, built once and passed on."""
 
-import copy
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -19,12 +18,13 @@ from ..laws.memory import Layout, layout_of
 from ..motions import default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
-from ..robots.robot import Robot, build
+from ..robots.robot import Robot
 from ..robots.warned import heard
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..text import Caution
 from . import notes
+from .building import Followed, built
 from .filling import Left, adapting, without_passage
 from .finishing import finished
 from .holding import holding
@@ -32,9 +32,6 @@ from .inputs import Input, gather
 from .passages import desired, passages
 
 T = TypeVar("T")
-
-Followed = dict[tuple[object, ...], object]
-"""Arms, joint motions, the torque that they need and the best springs, by all they depend on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +246,7 @@ def plan_for(
     """
     refuse_foreign()
     law = laws.load(experiment.law.kind)
-    robot = _built(experiment, {} if followed is None else followed)
+    robot = built(experiment, {} if followed is None else followed)
     unloaded = Kinematics(robot)
     said = [*robot.notes, *law.said]
     experiment = adapting(experiment, law, robot, said)
@@ -279,30 +276,6 @@ def plan_for(
         _warned=warned,
     )
     return finished(plan, warned)
-
-
-def _built(experiment: Experiment, followed: Followed) -> Robot:
-    """The robot of an experiment, or a copy of one that was built for an experiment like it."""
-    carries = any(motion.payload > 0 for motion in experiment.motion)
-    how = experiment.simulation.model_copy(update={"samples": None})
-    springs = experiment.springs.model_dump_json()
-    most = experiment.reality.motor_torque
-    key = "robot", experiment.robot, experiment.task, how, springs, carries, most
-
-    def room(joints: int, coordinates: int, dofs: int) -> int:
-        return layout_of(experiment, joints, coordinates, dofs).size
-
-    known = followed.get(key)
-    if known is not None:
-        robot, size = cast("tuple[Robot, int]", known)
-        if size == room(robot.n, robot.m, robot.model.nv):
-            return replace(robot, model=copy.copy(robot.model))
-    robot = build(experiment, room)
-    followed[key] = (
-        replace(robot, model=copy.copy(robot.model)),
-        room(robot.n, robot.m, robot.model.nv),
-    )
-    return robot
 
 
 def optimum(experiment: Experiment) -> list[Optimum]:
