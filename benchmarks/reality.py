@@ -10,12 +10,10 @@ and the RMS error of the tool; the worst of motions and seeds.
 
 import argparse
 
-import numpy as np
 from rich.progress import track
 
 import resonance_mj as rmj
-from resonance_mj.results.cycles import kept
-from resonance_mj.springs.fit import LinearSprings, fit
+from resonance_mj.evaluation.robustness import figures
 
 CYCLES = 60
 
@@ -61,39 +59,6 @@ def experiment(arm, row, seed):
     return base.replace(changes)
 
 
-def figures(run):
-    """Share found, share of the reduction kept, RMS error [mm] of the worst motion of a run."""
-    found = []
-    last = {cycle.motion: cycle for cycle in kept(run)}
-    for index, motion in enumerate(run.motions):
-        if len(motion.cycles) < CYCLES:
-            return None
-        cycle = last[index]
-        acting = LinearSprings(cycle.stiffness[-1], cycle.offset[-1], cycle.center)
-        # Of the torque that the motion made needs, without what feedback makes of noise.
-        total = cycle.tau + acting.torque(cycle.q)
-        spectrum = np.fft.rfft(total, axis=0)
-        spectrum[21:] = 0.0
-        total = np.fft.irfft(spectrum, n=len(total), axis=0)
-        best = total - fit(cycle.q, total, run.plan.gains.bounds, cycle.center).torque(cycle.q)
-        needed, left, least = (
-            (torque**2).sum(axis=1).mean()
-            for torque in (total, total - acting.torque(cycle.q), best)
-        )
-        without = motion.torque_squared_without_springs
-        reduction = 1 - motion.torque_squared[-5:].mean() / without
-        possible = motion.torque_reduction_optimal
-        found.append(
-            (
-                (needed - left) / (needed - least),
-                reduction / possible,
-                1e3 * motion.tracking_rms[-1],
-            )
-        )
-    shares, reductions, errors = zip(*found, strict=True)
-    return min(shares), min(reductions), max(errors)
-
-
 def main():
     """Print the table."""
     options = argparse.ArgumentParser()
@@ -108,12 +73,11 @@ def main():
             noisy = "reality" in ROWS[row]
             each = [experiment(arm, row, seed) for seed in (seeds if noisy else [0])]
             found = [figures(run) for run in rmj.simulate_many(each)]
-            if None in found:
-                cells.append(f"diverged, {found.count(None)} of {len(found)}")
+            if lost := sum(one["kept"] is None for one in found):
+                cells.append(f"diverged, {lost} of {len(found)}")
                 continue
-            share, reduction, error = (
-                pick(of) for pick, of in zip((min, min, max), zip(*found, strict=True), strict=True)
-            )
+            share, reduction = (min(one[name] for one in found) for name in ("share", "kept"))
+            error = 1e3 * max(one["tracking_rms"] for one in found)
             cells.append(f"{share:.4f}, {100 * reduction:.1f} %, {error:#.2g} mm")
         lines.append(f"| {row} | {' | '.join(cells)} |")
     print(f"| | {' | '.join(ARMS)} |\n|---|{'---|' * len(ARMS)}")

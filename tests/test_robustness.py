@@ -108,3 +108,15 @@ def test_a_wrong_model_asks_for_so_much_more_torque():
     needed = plan.loaded[0].torque(plan.joints[0])
     given = 1.1 * needed - plan.optima[0].springs.torque(plan.joints[0].q)
     np.testing.assert_allclose(run.data["u"].values[: len(given)], given, atol=1e-9)
+
+
+def test_where_no_spring_helps_there_is_nothing_to_keep():
+    none = {"springs.stiffness": [0.0, 0.0], "springs.equilibrium": [0.0, 0.0]}
+    changes = {"law.kind": "transfer", "motion.0.duration": 15.0, "motion.1.duration": 15.0}
+    run = rmj.simulate(rmj.load("two-link-transfer").replace(changes | none))
+    figures = robustness.figures(run)
+    assert (figures["share"], figures["kept"]) == (None, None)
+    assert figures["tracking_rms"] == max(motion.tracking_rms[-1] for motion in run.motions)
+    cell = robustness.Cell("transfer", "ideal", 0.0, **figures)
+    assert robustness.written(cell) == "–"
+    assert robustness_figure._level(cell) == -1

@@ -11,14 +11,17 @@ import numpy as np
 
 from ..experiments.experiment import Experiment
 from ..files import writable, write
+from ..laws.learning import low_pass
 from ..plan.plan import Plan, plan_for
 from ..progress import Asked
-from ..results.cycles import kept
+from ..results.cycles import Cycle, kept
+from ..results.metrics import LEAST_REDUCTION
 from ..results.run import Run
 from ..simulation.simulation import simulate_many
+from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, fit
 from ..status import Status
-from ..text import minus, number
+from ..text import NOTHING, minus, number
 from .comparison import Contender, contending
 
 CYCLES, LAST = 40, 5
@@ -93,7 +96,7 @@ class Cell:
         imperfection: its name, or "ideal".
         strength: in the imperfection's unit; 0 for ideal.
         share: of the possible reduction of torque² that the springs found would give; None where
-            the run did not come to its end.
+            the run did not come to its end, or no spring can help.
         kept: reduction of torque² that the motors gave, as a share of what is possible; likewise.
         tracking_rms: of the tool in the last cycle [m]; likewise.
         status: how the run ended.
@@ -171,47 +174,43 @@ def robustness(
     each = [one.replace(changes) for _, _, changes in rows for _, one in laws]
     runs = simulate_many(each, threads=threads, progress=progress)
     names = [(law.name, name, strength) for name, strength, _ in rows for law, _ in laws]
-    cells = tuple(Cell(*at, **_figures(run)) for at, run in zip(names, runs, strict=True))
+    cells = tuple(Cell(*at, **figures(run)) for at, run in zip(names, runs, strict=True))
     return RobustnessMap(base, {law.name: law.title for law, _ in laws}, cells)
 
 
-def _figures(run: Run) -> dict[str, Any]:
-    """What a run kept, in its worst motion."""
+def figures(run: Run) -> dict[str, Any]:
+    """What a run kept, in its worst motion: share, kept, tracking_rms, status, message of a `Cell`.
+
+    None for what it did not come to, and for shares where no spring can help.
+    """
     found: dict[str, Any] = dict.fromkeys(("share", "kept", "tracking_rms"))
-    last = {cycle.motion: cycle for cycle in kept(run)}
     if all(len(one.cycles) >= LAST for one in run.motions) and run.status is not Status.DIVERGED:
-        shares, reductions, errors = [], [], []
-        for index, motion in enumerate(run.motions):
-            cycle = last[index]
-            # The springs of laws that change them within a cycle: what they exert, all in all.
-            acting = LinearSprings(
-                cycle.stiffness.mean(axis=0), cycle.offset.mean(axis=0), cycle.center
-            )
-            total = _smooth(cycle.tau + _exerted(cycle))
-            best = fit(cycle.q, total, run.plan.gains.bounds, cycle.center)
-            needed, left, least = (
-                float((torque**2).sum(axis=1).mean())
-                for torque in (total, total - acting.torque(cycle.q), total - best.torque(cycle.q))
-            )
-            shares.append((needed - left) / (needed - least) if needed > least else 1.0)
-            without = motion.torque_squared_without_springs
-            given = 1 - float(motion.torque_squared[-LAST:].mean()) / without
-            reductions.append(given / motion.torque_reduction_optimal)
-            errors.append(float(motion.tracking_rms[-1]))
-        found = {"share": min(shares), "kept": min(reductions), "tracking_rms": max(errors)}
+        last = {cycle.motion: cycle for cycle in kept(run)}
+        each = [_share(last[i], run.plan.gains.bounds) for i in range(len(run.motions))]
+        kept_of = [float(motion.torque_share[-LAST:].mean()) for motion in run.motions]
+        found["tracking_rms"] = max(float(motion.tracking_rms[-1]) for motion in run.motions)
+        for name, values in (("share", each), ("kept", kept_of)):
+            if np.isfinite(values).any():
+                found[name] = float(np.nanmin(values))
     return found | {"status": str(run.status), "message": run.message}
 
 
-def _exerted(cycle: Any) -> np.ndarray:
-    """What the springs of a cycle exerted at each of its samples (N, n) [N m]."""
-    acting = LinearSprings(cycle.stiffness, cycle.offset, cycle.center)
-    return np.asarray(acting.torque(cycle.q))
+def _share(cycle: Cycle, bounds: Bounds) -> float:
+    """What a cycle's springs would save of what the best would; NaN where no spring can help.
 
-
-def _smooth(torque: np.ndarray) -> np.ndarray:
-    spectrum = np.fft.rfft(torque, axis=0)
-    spectrum[HARMONICS + 1 :] = 0.0
-    return np.fft.irfft(spectrum, n=len(torque), axis=0)
+    Those of laws that change them within a cycle are taken at their mean, and the torque that the
+    motion needs without what feedback makes of noise.
+    """
+    exerted = LinearSprings(cycle.stiffness, cycle.offset, cycle.center).torque(cycle.q)
+    total = low_pass(cycle.tau + exerted, HARMONICS)
+    mean = LinearSprings(cycle.stiffness.mean(axis=0), cycle.offset.mean(axis=0), cycle.center)
+    best = fit(cycle.q, total, bounds, cycle.center)
+    needed, left, least = (
+        float((torque**2).sum(axis=1).mean())
+        for torque in (total, total - mean.torque(cycle.q), total - best.torque(cycle.q))
+    )
+    possible = needed - least
+    return (needed - left) / possible if possible > LEAST_REDUCTION * needed else np.nan
 
 
 def written(cell: Cell, *, short: bool = False) -> str:
@@ -219,9 +218,11 @@ def written(cell: Cell, *, short: bool = False) -> str:
 
     The torque of a tool that is off its path is that of another motion.
     """
-    if cell.kept is None or cell.status != Status.OK:
+    if cell.status != Status.OK:
         words = MARKS.get(Status(cell.status), (cell.status, cell.status))
         return words[short]
+    if cell.kept is None:
+        return NOTHING
     kept = number(100 * cell.kept, 0) if cell.kept > -1 else f"{1 - cell.kept:.0f} ×"
     return minus(kept)
 
