@@ -13,7 +13,7 @@ from resonance_mj.experiments.motion_section import Motion
 from resonance_mj.motions import default_motion, motion, rotations
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.motions.motion import resolve, sample
-from resonance_mj.motions.passing import blended, by_rest
+from resonance_mj.motions.passing import blended, by_a_small_motion
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.reach import reach
 from resonance_mj.robots.robot import build
@@ -349,7 +349,7 @@ def test_a_passage_by_way_of_a_small_motion_leaves_and_arrives_smoothly(name, re
     old = sample(filled(robot, **SHAPES["eight"]), STEPS, robot)
     new = sample(filled(robot, **SHAPES["triangle"], **turn), STEPS, robot)
     middles = old.x.mean(axis=0), new.x.mean(axis=0)
-    parts = [by_rest(old, new, middles, cycle, cycles, 0.8) for cycle in range(cycles)]
+    parts = [by_a_small_motion(old, new, middles, cycle, cycles, 0.8) for cycle in range(cycles)]
     x, dx, ddx = (np.concatenate([getattr(part, key) for part in parts]) for key in new._fields[:3])
     for whole, before, after in zip((x, dx, ddx), old[:3], new[:3], strict=True):
         np.testing.assert_allclose(whole[0], before[0], atol=1e-12 * np.abs(before).max())

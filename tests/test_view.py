@@ -17,11 +17,15 @@ import resonance_mj as rmj
 from resonance_mj import cli
 from resonance_mj.errors import PictureError
 from resonance_mj.pictures.film import frame_data
+from resonance_mj.pictures.film.overlays import Overlays
+from resonance_mj.pictures.film.render_model import RenderModel
+from resonance_mj.pictures.film.surroundings import prepare
 from resonance_mj.pictures.viewer import display as displays
 from resonance_mj.pictures.viewer import live as living
 from resonance_mj.pictures.viewer import view as views
 from resonance_mj.pictures.viewer.clock import Clock
 from resonance_mj.pictures.viewer.view import frame
+from resonance_mj.pictures.viewer.web import WebWindow
 from resonance_mj.plan.plan import plan_for
 
 GREY_ARM = """<mujoco><worldbody><body name="link"><joint name="hinge" axis="0 1 0"/>
@@ -457,3 +461,31 @@ def test_a_port_that_is_taken_is_said_in_one_line(folder, capsys):
     assert f"port {port}: Address already in use; give another" in capsys.readouterr().err
     assert cli.main(["view", str(folder), "--web", "--port", "99999"]) == 2
     assert "port 99999: " in capsys.readouterr().err
+
+
+def test_what_is_left_out_of_the_page_is_not_sent_and_what_it_cannot_do_is_said(run):
+    said = []
+    options = rmj.RenderOptions(springs=False, motors=False, path=False, trail=False, orbit=9.0)
+    shown = frame_data.of_run(run, run.data["time"].values[:50], "short")
+    with (
+        WebWindow(shown, options, Clock(1.0, Wall()), said.append, port=0) as window,
+        window.listening() as frames,
+    ):
+        window.show(shown, 10, frame_data.scale([shown]))
+        sent = json.loads(frames.get(timeout=5))
+    assert not any(sent["stiffness"] + sent["motor"])
+    assert "path" not in sent
+    assert sent["trail"] == 0
+    assert any(line.endswith("oneself: orbit") for line in said)
+
+
+def test_a_camera_goes_around_a_live_run_as_time_goes_whatever_part_of_it_is_at_hand(run):
+    times = run.data["time"].values
+    shown = frame_data.of_run(run, times[:100], "short")
+    options = rmj.RenderOptions(orbit=30.0, size=(320, 180))
+    arm = RenderModel(shown, options, *prepare(shown, options, options.size, print))
+    camera = arm.camera(1.0)
+    begin, overlays = camera.azimuth, Overlays(arm, camera)
+    later = frame_data.of_run(run, times[1000:1100], "short")
+    overlays.show(later, int(later.sample[0]), frame_data.scale([later]), camera)
+    assert camera.azimuth - begin == pytest.approx(30.0 * times[1000])

@@ -1,4 +1,4 @@
-"""From one motion into the next: one takes over from the other, or shrinks before it grows."""
+"""From one motion into the next: one takes over from the other, or shrinks as the other grows."""
 
 from __future__ import annotations
 
@@ -28,11 +28,7 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     """
     if after.rotates:
         before, after = _with_rates(before), _with_rates(after)
-    steps = len(after.x)
-    r = ((cycle + np.arange(steps) / steps) / cycles)[:, None]
-    length = cycles * period
-    sigma, d_sigma, dd_sigma = minimum_jerk(r)
-    d_sigma, dd_sigma = d_sigma / length, dd_sigma / length**2
+    sigma, d_sigma, dd_sigma = _in_time(_gone(len(after.x), cycle, cycles), cycles * period)
     gap, d_gap, dd_gap = after.x - before.x, after.dx - before.dx, after.ddx - before.ddx
     x = before.x + sigma * gap
     dx = before.dx + sigma * d_gap + d_sigma * gap
@@ -40,7 +36,7 @@ def blended(before: Samples, after: Samples, cycle: int, cycles: int, period: fl
     return of_rates(x, dx, ddx, after.rotates)
 
 
-def by_rest(
+def by_a_small_motion(
     before: Samples,
     after: Samples,
     middles: tuple[np.ndarray, np.ndarray],
@@ -48,11 +44,12 @@ def by_rest(
     cycles: int,
     period: float,
 ) -> Samples:
-    """One cycle of a passage that shrinks a motion to rest and lets the next grow from there.
+    """One cycle of a passage in which a motion shrinks while the next grows.
 
-    x = c + (1 - σ(2 r)) (x_before - c_before) + σ(2 r - 1) (x_after - c_after), each σ of minimum
-    jerk within its half of the share r of the passage, about a middle c that goes from the one to
-    the other: what lies between two motions may need more torque than either, and rest does not.
+    x = c + (1 - σ(r / p)) (x_before - c_before) + σ((r - 1 + p) / p) (x_after - c_after), with σ as
+    in `blended`, 0 before and 1 behind its range, p = `OVERLAP`, about a middle c = c_before +
+    σ(r) (c_after - c_before): what lies half-way between two motions may need more torque than
+    either, and a small one does not.
 
     Args:
         before: the motion that is left, over one cycle of the new one (N, m).
@@ -64,24 +61,33 @@ def by_rest(
     """
     if after.rotates:
         before, after = _with_rates(before), _with_rates(after)
-    steps = len(after.x)
-    r = ((cycle + np.arange(steps) / steps) / cycles)[:, None]
-    length = cycles * period
-    moved, *moving = (part / length**i for i, part in enumerate(minimum_jerk(r)))
+    r, length = _gone(len(after.x), cycle, cycles), cycles * period
     way = middles[1] - middles[0]
-    parts = [middles[0] + moved * way, *(part * way for part in moving)]
-    took = OVERLAP * length
-    shrunk, *shrinks = (p / took**i for i, p in enumerate(minimum_jerk(np.clip(r / OVERLAP, 0, 1))))
-    ahead = np.clip((r - (1 - OVERLAP)) / OVERLAP, 0, 1)
-    grown = [part / took**i for i, part in enumerate(minimum_jerk(ahead))]
-    left = [1 - shrunk, *(-part for part in shrinks)]
-    for share, one, middle in ((left, before, middles[0]), (grown, after, middles[1])):
+    moved, *moving = _in_time(r, length)
+    x, dx, ddx = middles[0] + moved * way, *(part * way for part in moving)
+    shrunk, *shrinks = _in_time(np.clip(r / OVERLAP, 0, 1), OVERLAP * length)
+    left = 1 - shrunk, *(-part for part in shrinks)
+    grown = _in_time(np.clip((r - 1 + OVERLAP) / OVERLAP, 0, 1), OVERLAP * length)
+    for (share, d_share, dd_share), one, middle in (
+        (left, before, middles[0]),
+        (grown, after, middles[1]),
+    ):
         away = one.x - middle
-        parts[0] = parts[0] + share[0] * away
-        parts[1] = parts[1] + share[0] * one.dx + share[1] * away
-        parts[2] = parts[2] + share[0] * one.ddx + 2 * share[1] * one.dx + share[2] * away
-    x, dx, ddx = parts
+        x = x + share * away
+        dx = dx + share * one.dx + d_share * away
+        ddx = ddx + share * one.ddx + 2 * d_share * one.dx + dd_share * away
     return of_rates(x, dx, ddx, after.rotates)
+
+
+def _gone(steps: int, cycle: int, cycles: int) -> np.ndarray:
+    """Share of a passage that has gone by at each step of one of its cycles (N, 1)."""
+    return ((cycle + np.arange(steps) / steps) / cycles)[:, None]
+
+
+def _in_time(r: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """σ and its derivatives by time, of which r takes `length` [s] from 0 to 1."""
+    sigma, d_sigma, dd_sigma = minimum_jerk(r)
+    return sigma, d_sigma / length, dd_sigma / length**2
 
 
 def _with_rates(samples: Samples) -> Samples:

@@ -58,5 +58,7 @@ def desired(plan: Plan, cycle: int) -> motions.Samples:
         before = motions.Samples(old.x[at], old.dx[at], old.ddx[at])
         if motion.gradual:
             middles = old.x.mean(axis=0), samples.x.mean(axis=0)
-            return passing.by_rest(before, samples, middles, begun, motion.passage, motion.period)
+            return passing.by_a_small_motion(
+                before, samples, middles, begun, motion.passage, motion.period
+            )
     return passing.blended(before, samples, begun, motion.passage, motion.period)

@@ -61,6 +61,7 @@ class Overlays:
         self._other_pose = mujoco.MjData(model)
         self._tool = lru_cache(4 * RINGS["trail"])(self._tool_at)
         self._size, eye, self._azimuth = size(anchors), arm.eye(camera), camera.azimuth
+        self._begin = float(arm.shown.time[arm.shown.sample[0]])
         self.joints = [self._placed(i, anchors[k + 1], eye) for k, i in enumerate(arm.ids)]
         self._path, self._path_cycle = np.empty(0), -1
         self._dt = float(np.diff(arm.shown.time).min())
@@ -84,7 +85,7 @@ class Overlays:
         if options.follow and camera.type == mujoco.mjtCamera.mjCAMERA_FREE:
             camera.lookat[:] = arm.data.site_xpos[arm.site]
         if options.orbit:
-            since = float(shown.time[sample] - shown.time[shown.sample[0]])
+            since = float(shown.time[sample]) - self._begin
             camera.azimuth = self._azimuth + options.orbit * since
         eye = arm.eye(camera)
         arm.model.skin_rgba[list(self.skins.values()), 3] = 0.0

@@ -45,6 +45,11 @@ class Clock:
         """Seconds of the run that have passed."""
         return self._from + (0.0 if self.paused else self.speed * (self._now() - self._since))
 
+    def words(self, label: str, state: str = "") -> str:
+        """What the line of a viewer begins with: a run's label, its state, and how time goes."""
+        speed = f"× {self.speed:g}" if self.speed != 1 else ""
+        return ", ".join(filter(None, [label, state, speed, "paused" if self.paused else ""]))
+
     def go_on_at(self, seconds: float) -> None:
         """Go on from some second of the run."""
         self._from, self._since = seconds, self._now()

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import PictureError
+from ...text import listed
 from ..film.captions import fields
 from ..film.frame_data import FrameData, Scale
 from ..film.options import RenderOptions
@@ -80,6 +81,10 @@ class WebWindow:
                 f"port {port}: {getattr(error, 'strerror', None) or error}; give another, or 0 "
                 "for any that is free"
             ) from None
+        unused = [name for name in ("follow", "orbit") if getattr(options, name)]
+        unused += ["background"] * (options.background != RenderOptions.background)
+        if unused:
+            note(f"of no effect in a browser, where one turns the scene oneself: {listed(unused)}")
         self.address = f"http://localhost:{self._server.server_port}/"
         tunnel = f"ssh -L {self._server.server_port}:localhost:{self._server.server_port} HOST"
         note(f"{self.address} shows it until Ctrl-C; from another machine: {tunnel}")
@@ -114,15 +119,13 @@ class WebWindow:
         """
         rows = self._stage.frames(shown, [sample], scales)
         found: dict[str, Any] = {name: values[0].round(5) for name, values in rows.items()}
-        clock = self._clock
-        speed = f"× {clock.speed:g}" if clock.speed != 1 else ""
-        parts = [shown.label, state, speed, "paused" if clock.paused else ""]
-        label = ", ".join(filter(None, parts))
-        found["said"] = " · ".join(
-            " ".join(f.split()) for f in fields(replace(shown, label=label), sample)
-        )
-        found["starts"] = clock.starts
-        if self._options.path and shown.cycle[sample] != self._cycle:
+        label, options = self._clock.words(shown.label, state), self._options
+        words = fields(replace(shown, label=label), sample) if options.head_up else [label]
+        found["said"] = " · ".join(" ".join(part.split()) for part in words)
+        found["starts"] = self._clock.starts
+        for name, there in (("stiffness", options.springs), ("motor", options.motors)):
+            found[name] = found[name] * there  # none is drawn of what is as weak as that
+        if shown.cycle[sample] != self._cycle:
             self._cycle = int(shown.cycle[sample])
             self._path = self._desired(shown, sample, found["tool"])
         self._send(found)
@@ -137,7 +140,8 @@ class WebWindow:
         points[:, shown.axes] = shown.x_desired[index]
         period = float(np.diff(shown.time[inside[:2]]).sum()) * float(shown.period[sample])
         trail = TRAIL * period / FRAME / self._clock.speed
-        return {"path": points.round(5), "trail": min(trail, HELD - 1.0)}
+        found: dict[str, Any] = {"trail": min(trail, HELD - 1.0) * self._options.trail}
+        return found | ({"path": points.round(5)} if self._options.path else {})
 
     def _send(self, found: dict[str, Any]) -> None:
         """Send a frame to each browser, with the path it is along: what is lost does not matter."""

@@ -148,10 +148,8 @@ class Window:
 
     def _write(self, shown: FrameData, sample: int, state: str) -> None:
         """Write the line above and that at the foot, where something in them has changed."""
-        clock, port, now = self._clock, self._viewer.viewport, time.perf_counter()
-        speed = f"× {clock.speed:g}" if clock.speed != 1 else ""
-        parts = [shown.label, state, speed, "paused" if clock.paused else ""]
-        label = ", ".join(filter(None, parts))
+        port, now = self._viewer.viewport, time.perf_counter()
+        label = self._clock.words(shown.label, state)
         place = (label, port.left, port.bottom, port.width, port.height)
         if self._written[:1] == (place,) and (
             self._written[1] == sample or now < self._since + READABLE
