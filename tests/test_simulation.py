@@ -604,3 +604,15 @@ def test_springs_that_are_told_to_begin_outside_their_bounds_are_refused_with_th
     bounds = f"{center[0] - np.pi:.4g} to {center[0] + np.pi:.4g}"
     with pytest.raises(rmj.ResonanceError, match=rf"initial_equilibrium = .* joint1, .* {bounds}"):
         rmj.simulate(outside)
+
+
+def test_experiments_that_share_an_arm_have_loads_of_their_own():
+    """Springs are written into the loaded model: that of one robot is not that of another."""
+    base = rmj.load("two-link-transfer")
+    one = base.motion[0].model_dump() | {"duration": 6.0, "payload": 1.5}
+    changes = [{"law.beta": beta, "motion": [one]} for beta in (2.0, 6.0, 10.0)]
+    experiments = [base.replace(each) for each in changes]
+    for together, experiment in zip(rmj.simulate_many(experiments), experiments, strict=True):
+        alone = rmj.simulate(experiment)
+        for name in ("q", "tau", "stiffness"):
+            np.testing.assert_array_equal(together.data[name], alone.data[name])

@@ -81,7 +81,7 @@ class Plan:
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
             within = [np.asarray(part).tobytes() for part in (center, *bounds.stiffness)]
-            springs = "springs", *load, *within, experiment.springs.model_dump_json()
+            springs = "springs", *load, *within, repr(experiment.springs)
             work = partial(
                 best_springs, q, torque, center=center, period=motion.period, bounds=bounds
             )
@@ -246,7 +246,7 @@ def plan_for(
     """
     refuse_foreign()
     law = laws.load(experiment.law.kind)
-    robot = built(experiment, {} if followed is None else followed)
+    robot = built(experiment, followed)
     unloaded = Kinematics(robot)
     said = [*robot.notes, *law.said]
     experiment = adapting(experiment, law, robot, said)

@@ -152,3 +152,13 @@ def add_motor(spec: mujoco.MjSpec, joint: str, limit: tuple[float, float] | None
         delay=0.0,
     )
     motor.set_to_motor()
+
+
+def limits(
+    model: mujoco.MjModel, actuator_id: np.ndarray, most: float | tuple[float, ...] | None
+) -> np.ndarray:
+    """Least and greatest torque of motors (n, 2) [N m], by the model and by what is allowed."""
+    limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
+    limits = np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
+    largest = np.broadcast_to(np.inf if most is None else np.asarray(most), len(limits))[:, None]
+    return np.clip(limits, -largest, largest)

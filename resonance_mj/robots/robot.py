@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..springs.elements import Element
 from ..text import joined
-from . import clearing, elastic, mjcf, payload, sound, task
+from . import clearing, elastic, mjcf, motors, payload, sound, task
 from . import home as homes
 from .compiling import compile_spec
 from .couplings import Followers
@@ -93,6 +94,10 @@ class Robot:
     def m(self) -> int:
         """Number of task coordinates."""
         return len(self.coordinate)
+
+    def copied(self) -> Robot:
+        """The same with models of its own, into which springs can be written."""
+        return replace(self, model=copy.copy(self.model), _loaded={})
 
     def carrying(self, mass: float) -> Robot:
         """The robot with a payload at its tool [kg]: one model for each mass."""
@@ -228,7 +233,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         coordinate=coordinate,
         position=position,
         orientation=orientation,
-        torque_limit=_torque_limits(model, actuator_id, experiment.reality.motor_torque),
+        torque_limit=motors.limits(model, actuator_id, experiment.reality.motor_torque),
         home=home,
         qpos=qpos,
         inertia=inertia,
@@ -268,15 +273,6 @@ def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> 
     if not experiment.robot.limits:
         disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
     spec.option.disableflags |= disabled
-
-
-def _torque_limits(
-    model: mujoco.MjModel, actuator_id: np.ndarray, most: float | tuple[float, ...] | None
-) -> np.ndarray:
-    limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
-    limits = np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
-    largest = np.broadcast_to(np.inf if most is None else np.asarray(most), len(limits))[:, None]
-    return np.clip(limits, -largest, largest)
 
 
 def _at_home(
