@@ -40,7 +40,9 @@ def _reasons(
     if law.kind != "transfer":
         yield "law.listens", f"{kind} does not listen"
         yield "reality.stiffness_rate", f"{kind} does not set springs between cycles"
-    if not any(one.tendon or len(one.joints or ()) > 1 for one in springs.element):
+    if springs.cost != "torque-squared":
+        yield "springs.weights", f"springs.cost = {springs.cost!r} has none"
+    elif not any(one.tendon or len(one.joints or ()) > 1 for one in springs.element):
         yield "springs.weights", "springs of single joints are the same for all weights"
     if limited is False:
         yield "robot.limits", "no joint of the arm has a range"

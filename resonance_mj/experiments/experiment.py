@@ -13,6 +13,7 @@ from . import toml
 from .expectations import Expect, Expected
 from .law_section import Law
 from .motion_section import MOST_CYCLES, Motion
+from .motors_section import Motors
 from .reality_section import Reality
 from .sections import Robot, Section, Simulation, Task
 from .springs_section import Element, JointSpring, Springs
@@ -36,6 +37,7 @@ class Experiment(Section):
     motion: Annotated[tuple[Motion, ...], Field(min_length=1, max_length=1000)] = (Motion(),)
     law: Law = Law()
     springs: Springs = Springs()
+    motors: Motors = Motors()
     reality: Reality = Reality()
     expect: Expect = Expect()
 

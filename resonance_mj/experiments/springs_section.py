@@ -116,6 +116,10 @@ class Springs(_Bounds):
     """k(0) [N m/rad], one for all joints or one each; 0 for the softest within the bounds."""
     initial_equilibrium: Angles = 0.0
     """q_e(0) [rad], one for all joints or one each; 0 for the nearest to it within the bounds."""
+    cost: Literal["torque-squared", "copper", "energy", "peak"] = "torque-squared"
+    """What the springs leave the least of: torque-squared, the mean of τᵀτ; copper, the heat in
+    the motors' windings; energy, what the motors take from their supply; peak, the largest torque
+    of a motor, of its rated one. [motors] says what the motors are."""
     weights: Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
     """Weight of each joint's torque² in what the springs leave least of, such as 1 / k_m² for the
     loss in copper of motors with k_m N m per root of a watt; 1 each if not given. Springs of single
@@ -134,6 +138,10 @@ class Springs(_Bounds):
     def elements(self) -> tuple[()]:
         """None, as bounds of any arm's springs: elements are on the joints of one."""
         return ()
+
+    @property
+    def objective(self) -> None:
+        """Torque², likewise: other costs are of the motors of one."""
 
     @model_validator(mode="after")
     def _names_differ(self) -> Springs:

@@ -10,6 +10,7 @@ import numpy as np
 from ..experiments import law_section
 from ..experiments.experiment import Experiment
 from ..springs.bounds import near, passive
+from ..springs.cost import velocity
 from . import custom_law, learning
 from .controller import Command, joint_space, standard
 from .gains import Gains
@@ -122,7 +123,11 @@ def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learn
     bounds = passive(gains.bounds) if at_limit(cycle, gains) else gains.bounds
     if np.isfinite(cycle.farthest):
         bounds = near(bounds, cycle.springs.stiffness, cycle.farthest)
-    return learning.transfer(v, q, cycle.acting or cycle.springs, bounds)
+    dq = None
+    if bounds.objective:  # encoders' noise would be most of the velocity
+        smooth = learning.low_pass(q, gains.harmonics)
+        dq = velocity(smooth, len(q) * cycle.timestep)
+    return learning.transfer(v, q, cycle.acting or cycle.springs, bounds, dq)
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:

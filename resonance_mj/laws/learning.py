@@ -95,7 +95,13 @@ def learn(
     return v - spring_like_part(v, q_bar)[..., None, :] * q_bar
 
 
-def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bounds) -> Learned:
+def transfer(
+    v: np.ndarray,
+    q: np.ndarray,
+    springs: LinearSprings,
+    bounds: Bounds,
+    dq: np.ndarray | None = None,
+) -> Learned:
     """Hand the springs what springs can do: the total torque stays as it is.
 
     Where (9) throws away the part w q̄ of the learned torque that a spring could exert, the spring
@@ -106,9 +112,10 @@ def transfer(v: np.ndarray, q: np.ndarray, springs: LinearSprings, bounds: Bound
         q: joint angles of that cycle (N, n) [rad].
         springs: at the end of it.
         bounds: what springs may be; their centre is put at the mean joint angle.
+        dq: joint velocities of that cycle (N, n) [rad/s], which costs of power depend on.
     """
     total = v + springs.torque(q)
-    best = fit(q, total, bounds, center=q.mean(axis=0))
+    best = fit(q, total, bounds, center=q.mean(axis=0), dq=dq)
     return Learned(total - best.torque(q), best)
 
 

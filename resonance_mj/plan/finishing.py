@@ -13,7 +13,9 @@ import numpy as np
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
 from ..motions.kinematics import JointMotion, Kinematics
+from ..springs.cost import Cost
 from ..text import Note, joined
+from .driving import drives
 from .filling import growing
 
 if TYPE_CHECKING:
@@ -33,9 +35,21 @@ def finished(plan: Plan, notes: list[str]) -> Plan:
     """
     experiment = plan.experiment
     plan = replace(plan, loaded=rubbing(experiment, lambda: plan.joints, plan.loaded))
+    with suppress(MotionError):
+        plan = aiming(plan, notes)
     with suppress(MotionError):  # which is said where the motion is asked for
         plan = softened(plan, notes)
     return replace(plan, experiment=growing(experiment, plan.robot, lambda: plan.optima, notes))
+
+
+def aiming(plan: Plan, notes: list[str]) -> Plan:
+    """The plan with springs that leave the least of what `springs.cost` says."""
+    kind = plan.experiment.springs.cost
+    if kind == "torque-squared":
+        return plan
+    motors = drives(plan.experiment, plan.robot, plan.peak, notes)
+    bounds = plan.gains.bounds._replace(objective=Cost(kind, motors))
+    return replace(plan, gains=replace(plan.gains, bounds=bounds))
 
 
 def softened(plan: Plan, notes: list[str]) -> Plan:

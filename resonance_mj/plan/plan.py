@@ -20,11 +20,13 @@ from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
 from ..robots.warned import heard
+from ..springs.cost import Drives
 from ..springs.fit import LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..text import Caution
 from . import notes
 from .building import Followed, built
+from .driving import drives
 from .filling import Left, adapting, without_passage
 from .finishing import finished
 from .holding import holding
@@ -73,20 +75,24 @@ class Plan:
     def optima(self) -> list[Optimum]:
         """The best constant springs of each motion, by inverse dynamics; no law uses them."""
         experiment, bounds, found = self.experiment, self.gains.bounds, []
-        each = zip(experiment.motion, self.joints, self.loaded, strict=True)
-        for index, (motion, joints, loaded) in enumerate(each):
+        for index, (motion, joints) in enumerate(zip(experiment.motion, self.joints, strict=True)):
             friction = experiment.reality.friction
             load = index, motion.payload, experiment.simulation.gravity, friction
-            torque = self._shared(load, partial(loaded.torque, joints))
+            torque = self._needed(index)
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
             within = [np.asarray(part).tobytes() for part in (center, *bounds.stiffness)]
-            springs = "springs", *load, *within, repr(experiment.springs)
+            springs = "springs", *load, *within, repr((experiment.springs, bounds.objective))
             work = partial(
                 best_springs, q, torque, center=center, period=motion.period, bounds=bounds
             )
             found.append(self._shared(springs, work))
         return found
+
+    @cached_property
+    def drives(self) -> Drives:
+        """The motors of the arm."""
+        return drives(self.experiment, self.robot, self.peak, [])
 
     @cached_property
     def q_c(self) -> np.ndarray:
@@ -174,6 +180,18 @@ class Plan:
         if self.unstable:
             more = f" (and {rest} more)" if (rest := len(self.unstable) - 1) else ""
             raise StabilityError(f"experiment {self.experiment.name!r}: {self.unstable[0]}{more}")
+
+    def _needed(self, index: int) -> np.ndarray:
+        """Torque that a motion needs, of motors and springs together (N, n) [N m]."""
+        experiment, loaded = self.experiment, self.loaded[index]
+        payload, friction = experiment.motion[index].payload, experiment.reality.friction
+        load = index, payload, experiment.simulation.gravity, friction
+        return self._shared(load, partial(loaded.torque, self.joints[index]))
+
+    def peak(self) -> np.ndarray:
+        """Largest torque of each joint without springs, in all motions (n,) [N m]."""
+        every = range(len(self.experiment.motion))
+        return np.max([np.abs(self._needed(index)).max(axis=0) for index in every], axis=0)
 
     def _shared(self, what: object, work: Callable[[], T]) -> T:
         """What some work on joint motions finds, once for all experiments that have the same."""

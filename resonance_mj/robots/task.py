@@ -88,7 +88,7 @@ def check_lengths(
             f"{len(joints)} joints ({', '.join(joints)}); a task needs no more coordinates than "
             "joints"
         )
-    law, bounds = experiment.law, experiment.springs
+    law, bounds, motors = experiment.law, experiment.springs, experiment.motors
     position = tuple(axis for axis in axes if axis in "xyz")
     lists = [
         ("law.k_v", law.k_v, "coordinate", axes),
@@ -98,6 +98,11 @@ def check_lengths(
         ("law.q_c", law.q_c, "joint", joints),
         ("law.q_s", law.q_s, "joint", joints),
         ("reality.motor_torque", experiment.reality.motor_torque, "joint", joints),
+        ("motors.k_m", motors.k_m, "joint", joints),
+        ("motors.gear_ratio", motors.gear_ratio, "joint", joints),
+        ("motors.gear_efficiency", motors.gear_efficiency, "joint", joints),
+        ("motors.no_load_friction", motors.no_load_friction, "joint", joints),
+        ("motors.rated_torque", motors.rated_torque, "joint", joints),
         ("springs.weights", bounds.weights, "joint", joints),
         ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
         ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),

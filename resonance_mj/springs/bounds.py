@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import ExperimentError
 from ..experiments.springs_section import Springs
 from ..text import listed, nearest
+from .cost import Cost
 from .elements import Element
 
 
@@ -34,6 +35,11 @@ class Bounds(Protocol):
         """Of each joint's torque² in the cost (n,); None for 1 each."""
 
 
+    @property
+    def objective(self) -> Cost | None:
+        """What is to be least; None for torque²."""
+
+
 class JointBounds(NamedTuple):
     """`Bounds` joint by joint, (n,) each."""
 
@@ -43,6 +49,8 @@ class JointBounds(NamedTuple):
     elements: tuple[Element, ...] = ()
     weights: np.ndarray | None = None
     """Of each joint's torque² (n,); None for 1 each."""
+    objective: Cost | None = None
+    """What is to be least; None for torque²."""
 
 
 UNBOUNDED = JointBounds(

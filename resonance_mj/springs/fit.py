@@ -15,6 +15,7 @@ import numpy as np
 
 from . import program, spring
 from .bounds import Bounds
+from .cost import Cost
 from .elements import NO_ELEMENTS, Elements
 
 
@@ -53,14 +54,23 @@ SPRINGS = ("stiffness", "offset", "center")
 """The arrays of `LinearSprings`, (n,) each."""
 
 
-def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -> LinearSprings:
+def fit(
+    q: np.ndarray,
+    torque: np.ndarray,
+    bounds: Bounds,
+    center: np.ndarray,
+    dq: np.ndarray | None = None,
+) -> LinearSprings:
     """The feasible constant springs that leave the least ∫(τ - τ_s)ᵀ(τ - τ_s) dt of a torque τ.
+
+    Or the least of `bounds.objective`, if that is another.
 
     Args:
         q: joint angles over a cycle, equally spaced in time (N, n) [rad].
         torque: torque along it, of motor and spring together (N, n) [N m].
         bounds: of the stiffness and of the equilibrium angle.
         center: q_c, about which the offset torque is given (n,) [rad].
+        dq: joint velocities along it (N, n) [rad/s], which costs of power depend on.
 
     Note:
         A joint that stands still gets no stiffness: torque over angle is arbitrary there.
@@ -68,6 +78,8 @@ def fit(q: np.ndarray, torque: np.ndarray, bounds: Bounds, center: np.ndarray) -
     Raises:
         ValueError: no elements are within all of their bounds.
     """
+    if bounds.objective is not None:
+        return _least(q, torque, bounds, bounds.objective, dq).about(center)
     if bounds.elements:
         return _together(q, torque, bounds).about(center)
     return feasible(asked_for(q, torque), q, bounds, center)
@@ -103,6 +115,34 @@ def _together(q: np.ndarray, torque: np.ndarray, bounds: Bounds) -> LinearSpring
     mean = q.mean(axis=0)
     own = feasible(asked_for(q, torque - others.torque(q)), q, bounds, mean)
     return replace(own, others=others)
+
+
+def _least(
+    q: np.ndarray, torque: np.ndarray, bounds: Bounds, cost: Cost, dq: np.ndarray | None
+) -> LinearSprings:
+    """The best springs and elements for another cost than torque², about the mean angle."""
+    given, n = columns(q, bounds), q.shape[1]
+    if cost.kind == "peak":
+        rated = cost.drives.rated_torque
+        best = program.least_peak(given, torque.ravel(), bounds.elements, rated)
+    else:
+        speed = np.zeros_like(q) if dq is None else dq
+        usual = np.sqrt((torque**2).mean(axis=0)) + np.finfo(float).tiny
+
+        def each(left: np.ndarray) -> tuple[np.ndarray, ...]:
+            return tuple(
+                part.ravel() for part in cost.smooth(left.reshape(q.shape), speed, usual)
+            )
+
+        best = program.least(given, torque.ravel(), bounds.elements, each)
+    least, most = (np.broadcast_to(end, n) for end in bounds.stiffness)
+    within = [one.within(p) for one, p in Elements(bounds.elements, best[2 * n :]).each()]
+    others = Elements(bounds.elements, np.concatenate([np.empty(0), *within]))
+    stiffness, offset = np.clip(best[:n], least, most), best[n : 2 * n]
+    low, high = (np.broadcast_to(end, n) for end in reach(bounds, q.mean(axis=0)))
+    bounded = np.isfinite(low) & np.isfinite(high)
+    ends = [np.where(bounded, stiffness * np.where(bounded, end, 0), side) for end, side in ((low, -np.inf), (high, np.inf))]
+    return LinearSprings(stiffness, np.clip(offset, *ends), q.mean(axis=0), others)
 
 
 def reach(bounds: Bounds, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

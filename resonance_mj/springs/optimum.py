@@ -2,18 +2,22 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..text import percent, shown
 from .bounds import Bounds
+from .cost import KINDS, velocity
 from .fit import LinearSprings, fit, reach
 from .spring import STILL, equilibrium_angles
 
 
 @dataclass(frozen=True, repr=False)
 class Optimum:
-    """The constant springs that minimise (3) for one motion, and what they leave to the motors.
+    """The constant springs that are best for one motion, and what they leave to the motors.
+
+    They minimise (3), or another cost if their bounds have one.
 
     Attributes:
         springs: the best ones, (n,) each.
@@ -33,8 +37,8 @@ class Optimum:
 
     def __repr__(self) -> str:
         k, q_e = (shown(np.round(v, 3)) for v in (self.stiffness, self.equilibrium))
-        less = percent(self.torque_reduction)
-        return f"<Optimum: stiffness {k}, equilibrium {q_e}, torque² less by {less}>"
+        what, less = KINDS[self.kind].name, percent(self.reduction)
+        return f"<Optimum: stiffness {k}, equilibrium {q_e}, {what} less by {less}>"
 
     @property
     def stiffness(self) -> np.ndarray:
@@ -58,28 +62,52 @@ class Optimum:
 
     @property
     def cost(self) -> float:
-        """J_min, the integral of τᵀτ over a cycle [N² m² s]."""
-        return float((self.torque**2).sum() * (self.period / len(self.q)))
+        """J_min, the integral of τᵀτ over a cycle [N² m² s], or of power [J]; or the peak [1]."""
+        return self._cost(self.torque)
 
     @property
     def cost_without_springs(self) -> float:
-        """The same integral for K = 0 [N² m² s]."""
-        return float((self.torque_without_springs**2).sum() * (self.period / len(self.q)))
+        """The same for K = 0."""
+        return self._cost(self.torque_without_springs)
+
+    @property
+    def kind(self) -> str:
+        """What is least, by the words of `springs.cost`."""
+        return self.bounds.objective.kind if self.bounds.objective else "torque-squared"
+
+    @property
+    def reduction(self) -> float:
+        """1 - J_min / J(0, 0); NaN for a motion that costs nothing."""
+        return 1.0 - self.cost / self.cost_without_springs if self.cost_without_springs else np.nan
+
+    @cached_property
+    def dq(self) -> np.ndarray:
+        """Joint velocities (N, n) [rad/s]."""
+        return velocity(self.q, self.period)
+
+    def _cost(self, torque: np.ndarray) -> float:
+        """Of motors' torque (N, n) over a cycle."""
+        objective = self.bounds.objective
+        if objective is None:
+            return _integral(torque, self.period)
+        rate = objective.of(torque, self.dq)
+        return rate if objective.kind == "peak" else rate * self.period
 
     @property
     def torque_squared(self) -> float:
         """Mean of τᵀτ over a cycle [N² m²]."""
-        return self.cost / self.period
+        return _integral(self.torque, self.period) / self.period
 
     @property
     def torque_squared_without_springs(self) -> float:
         """Mean of τᵀτ over a cycle without springs [N² m²]."""
-        return self.cost_without_springs / self.period
+        return _integral(self.torque_without_springs, self.period) / self.period
 
     @property
     def torque_reduction(self) -> float:
-        """1 - J_min / J(0, 0); NaN for a motion that needs no torque."""
-        return 1.0 - self.cost / self.cost_without_springs if self.cost_without_springs else np.nan
+        """1 - ∫τᵀτ dt / ∫τ_d(0,0,t)ᵀτ_d(0,0,t) dt; NaN for a motion that needs no torque."""
+        without = _integral(self.torque_without_springs, self.period)
+        return 1.0 - _integral(self.torque, self.period) / without if without else np.nan
 
     def stiffness_range(self, rise: float = 0.01) -> np.ndarray:
         """Stiffnesses between which the cost hardly changes, each with the best offset (n, 2).
@@ -124,6 +152,11 @@ class Optimum:
         return ends
 
 
+def _integral(torque: np.ndarray, period: float) -> float:
+    """∫τᵀτ dt over a cycle of torques (N, n) [N² m² s]."""
+    return float((torque**2).sum() * (period / len(torque)))
+
+
 def _crossing(beyond: Callable[[float], float], inside: float, outside: float) -> float:
     """Where an increasing function passes zero between two points, to rounding."""
     for _ in range(60):
@@ -135,7 +168,7 @@ def _crossing(beyond: Callable[[float], float], inside: float, outside: float) -
 def best_springs(
     q: np.ndarray, torque: np.ndarray, *, center: np.ndarray, period: float, bounds: Bounds
 ) -> Optimum:
-    """The constant springs that minimise (3) for a joint motion and the torque that it needs.
+    """The best constant springs for a joint motion and the torque that it needs.
 
     Args:
         q: joint angles over a cycle, equally spaced in time (N, n) [rad].
@@ -144,5 +177,6 @@ def best_springs(
         period: cycle time [s].
         bounds: of the springs.
     """
-    best = fit(q, torque, bounds, center)
+    dq = velocity(q, period) if bounds.objective else None
+    best = fit(q, torque, bounds, center, dq)
     return Optimum(best, period, q, torque - best.torque(q), torque, bounds)

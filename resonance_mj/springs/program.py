@@ -3,12 +3,13 @@
 ∫(τ - Φ p)ᵀ(τ - Φ p) dt is a convex quadratic in all parameters p, and what they may be is a convex
 polyhedron. With the metric of the cost taken out it is a least-distance problem, and that a
 non-negative least squares problem (Lawson and Hanson, Solving Least Squares Problems, ch. 23),
-which an active-set method solves exactly in a finite number of steps.
+which an active-set method solves exactly in a finite number of steps. Of another cost that is
+convex and smooth, Newton's method solves one such problem at a time; of the peak, a linear program.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,13 @@ from .elements import Element, regressor
 FLOOR = 1e-6
 """Singular value, of the largest, below which parameters cannot be told apart: there the least of
 them that is feasible is taken."""
+
+NEWTON_STEPS, CLOSE = 50, 1e-9
+"""Most of them, and what a step must promise of the cost to be made."""
+
+PEAK_ROUNDS, PEAK_CLOSE, SECOND = 60, 1e-6, 1e-3
+"""Linear programs that are solved at most; how much higher than all that it sees a peak may be; and
+the weight of the motors' own peaks, of 1 for the largest."""
 
 ROUNDS = 20
 """Times that the stiffness of cubic elements is looked at between where it is bounded."""
@@ -84,13 +92,140 @@ def best(given: Columns, torque: np.ndarray, elements: tuple[Element, ...]) -> n
     Raises:
         ValueError: no parameters are feasible.
     """
-    scale = np.sqrt((given.torque**2).mean(axis=0))
-    scale[scale <= FLOOR * scale.max(initial=0.0)] = scale.max(initial=0.0) or 1.0
+    scale = _scale(np.sqrt((given.torque**2).mean(axis=0)))
     phi = given.torque / scale
-    values, vectors = np.linalg.eigh(phi.T @ phi)
+    return _quadratic(phi.T @ phi, phi.T @ torque, scale, given, elements)
+
+
+def least(
+    given: Columns,
+    torque: np.ndarray,
+    elements: tuple[Element, ...],
+    cost: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]],
+) -> np.ndarray:
+    """Feasible parameters (d,) that leave the least of a convex cost of each torque.
+
+    Args:
+        given: what parameters do.
+        torque: of which they leave the least (N n,) [N m].
+        elements: among them.
+        cost: of what is left (N n,), its value, slope and curvature at each.
+
+    Raises:
+        ValueError: no parameters are feasible.
+    """
+    found, phi = best(given, torque, elements), given.torque
+    value, slope, curvature = cost(torque - phi @ found)
+    for _ in range(NEWTON_STEPS):
+        uphill, H = -(phi.T @ slope), phi.T @ (curvature[:, None] * phi)
+        scale = _scale(np.sqrt(np.diag(H)))
+        wanted = (H @ found - uphill) / scale
+        way = _quadratic(H / np.outer(scale, scale), wanted, scale, given, elements) - found
+        gain, length = float(-uphill @ way), 1.0
+        if gain <= CLOSE * abs(value.sum()):
+            break
+        while length > 1e-6:
+            value_there, slope, curvature = cost(torque - phi @ (found + length * way))
+            if value_there.sum() <= value.sum() - 1e-4 * length * gain:
+                break
+            length *= 0.5
+        else:
+            break
+        found, value = found + length * way, value_there
+    return found
+
+
+def least_peak(
+    given: Columns, torque: np.ndarray, elements: tuple[Element, ...], rated: np.ndarray
+) -> np.ndarray:
+    """Feasible parameters (d,) that leave the least peak, of the rated torque (n,) of each motor.
+
+    Of those that leave the same, the ones with the least sum of the motors' own peaks. The linear
+    program sees of each motor its highest peaks and is given more of them, until none is higher.
+
+    Raises:
+        ValueError: no parameters are feasible.
+    """
+    from scipy.optimize import linprog
+
+    n, start = len(rated), best(given, torque, elements)
+    left = (torque - given.torque @ start).reshape(-1, n) / rated
+    phi = given.torque.reshape(len(left), n, -1) / rated[:, None]
+    # Where parameters do nothing along the motion, they are as they are.
+    rms = np.sqrt((given.torque**2).mean(axis=0))
+    moves = rms > FLOOR * rms.max(initial=0.0)
+    usual = np.abs(left).max(initial=0.0)
+    if not usual or not moves.any():
+        return start
+    unit = usual / np.sqrt((phi**2).mean(axis=(0, 1))[moves])
+    d = int(moves.sum())
+    rows, ends, change = given.rows, given.ends, np.zeros(d)
+    seen: dict[tuple[int, int], None] = {}
+    goal = np.concatenate([np.zeros(d), np.full(n, SECOND / n), [1.0]])
+    peaks = np.full(n, -np.inf)
+    for _ in range(PEAK_ROUNDS):
+        now = (left - phi[:, :, moves] @ (unit * change)) / usual
+        before = len(seen)
+        for j in range(n):
+            for t in _peaks(np.abs(now[:, j])):
+                if abs(now[t, j]) > peaks[j] + PEAK_CLOSE:
+                    seen[t, j] = None
+        more = list(_exceeded(_moved(start, moves, unit * change), elements))
+        if more:
+            rows = np.vstack([rows, *(row for row, _ in more)])
+            ends = np.append(ends, [end for _, end in more])
+        if len(seen) == before and not more:
+            break
+        at, of = np.array(list(seen)).T
+        reach = phi[at, of][:, moves] * unit / usual
+        own = np.zeros((len(at), n + 1))
+        own[np.arange(len(at)), of] = -1.0
+        level = left[at, of] / usual
+        ordered = np.hstack([np.zeros((n, d)), np.eye(n), -np.ones((n, 1))])
+        within = np.hstack([rows[:, moves] * unit, np.zeros((len(rows), n + 1))])
+        A = np.vstack([np.hstack([-reach, own]), np.hstack([reach, own]), ordered, within])
+        b = np.concatenate([-level, level, np.zeros(n), ends - rows @ start])
+        size = np.abs(A).max(axis=1)
+        free = (None, None)
+        solved = linprog(
+            goal, A / size[:, None], b / size, bounds=[free] * d + [(0.0, None)] * (n + 1)
+        )
+        if solved.x is None:
+            break
+        change, peaks = solved.x[:d], solved.x[d : d + n]
+    return _moved(start, moves, unit * change)
+
+
+def _moved(start: np.ndarray, moves: np.ndarray, change: np.ndarray) -> np.ndarray:
+    found = start.copy()
+    found[moves] += change
+    return found
+
+
+def _peaks(size: np.ndarray) -> np.ndarray:
+    """Where a torque over a cycle is largest: its maxima in time."""
+    higher = (size >= np.roll(size, 1)) & (size >= np.roll(size, -1))
+    return np.flatnonzero(higher)
+
+
+def _scale(size: np.ndarray) -> np.ndarray:
+    """Of each parameter, what it does; of one that does nothing, as much as the largest."""
+    size[size <= FLOOR * size.max(initial=0.0)] = size.max(initial=0.0) or 1.0
+    return size
+
+
+def _quadratic(
+    H: np.ndarray,
+    wanted: np.ndarray,
+    scale: np.ndarray,
+    given: Columns,
+    elements: tuple[Element, ...],
+) -> np.ndarray:
+    """Feasible p with the least pᵀ H p / 2 - wantedᵀ p, in units of `scale`."""
+    values, vectors = np.linalg.eigh(H)
     root = np.sqrt(np.maximum(values, FLOOR**2 * values[-1]))
     back = vectors / root / scale[:, None]
-    wanted = (vectors / root).T @ (phi.T @ torque)
+    wanted = (vectors / root).T @ wanted
     rows, ends = given.rows, given.ends
     for _ in range(ROUNDS):
         found = back @ _nearest(wanted, rows @ back, ends)
