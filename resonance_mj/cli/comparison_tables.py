@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 def robustness(found: RobustnessMap) -> Table:
     """What each law keeps under each imperfection."""
     drawn = table(
-        f"{found.experiment.name}: reduction of torque², of what is possible [%]",
-        "n ×: torque² is so many times that without springs; off: the tool is off its path; ×: "
-        "diverged; ↑: diverging. Each law has its default gains; the worst of the motions.",
+        f"{found.experiment.name}: reduction of {found.cost}, of what is possible [%]",
+        f"n ×: {found.cost} is so many times that without springs; off: the tool is off its path; "
+        "×: diverged; ↑: diverging. Each law has its default gains; the worst of the motions.",
         tight=True,
     )
     for title in found.titles.values():
@@ -45,9 +45,9 @@ def comparison(found: Comparison) -> Table:
         f"{found.experiment.name}: last cycle of each motion",
         "The best: the optimum of constant springs along the joint motion "
         + ("desired" if of == "desired" else "made by each law")
-        + ". Cycles to the best: the first from which torque² stays within 5 % of it; off: the "
-        "tool is off its path, and its torque that of another motion. Energy: the sum over joints "
-        "of ∫|τ q̇| dt.",
+        + ". Cycles to the best: the first from which "
+        f"{found.cost} stays within 5 % of it; off: the tool is off its path, and its torque "
+        "that of another motion. Energy: the sum over joints of ∫|τ q̇| dt.",
         tight=True,
     )
     for heading in (
@@ -61,10 +61,10 @@ def comparison(found: Comparison) -> Table:
         drawn.add_column(heading, justify="right", no_wrap=True)
     if found.long:
         cycles = next(iter(found.long.values())).experiment.motion[-1].cycles
-        drawn.add_column(f"torque² over\n{cycles} cycles\nof motion {len(motions)}")
+        drawn.add_column(f"{found.cost} over\n{cycles} cycles\nof motion {len(motions)}")
     for at in range(len(motions)):
         mine = [row for row in rows if row["motion"] == at + 1]
-        best = sorted({times(row["torque_reduction_optimal"], 100, 1) for row in mine})
+        best = sorted({times(row["reduction_optimal"], 100, 1) for row in mine})
         drawn.add_section()
         drawn.add_row(
             f"motion {at + 1}: the best", best[0] if len(best) == 1 else "", "100.0", style="bold"
@@ -74,7 +74,7 @@ def comparison(found: Comparison) -> Table:
             off = bool(len(motion.cycles)) and not motion.tracks[-1]
             drawn.add_row(
                 row["title"],
-                times(row["torque_reduction"], 100, 1),
+                times(row["reduction"], 100, 1),
                 times(row["share"], 100, 1),
                 "off" if off else reached(motion),
                 times(row["tracking_rms"], 1e3, 3),

@@ -125,7 +125,7 @@ def optimum(options: Namespace) -> None:
     plan = plan_for(experiment)
     figures = ("stiffness", "offset", "equilibrium", "center", "cost", "cost_without_springs")
     motions = [
-        {name: getattr(best, name) for name in (*figures, "torque_reduction")}
+        {name: getattr(best, name) for name in (*figures, "reduction", "torque_reduction")}
         for best in plan.optima
     ]
     found = {"name": experiment.name, "joints": plan.robot.joints, "motions": motions}

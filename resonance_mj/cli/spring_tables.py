@@ -21,7 +21,8 @@ def parts(found: SpringParts) -> Iterator[Table]:
     for motion in found.motions:
         drawn = table(
             f"{found.name}: springs of motion {motion.motion}",
-            "1 %, 5 %: stiffnesses that cost at most so much of torque² without springs more; "
+            f"1 %, 5 %: stiffnesses that cost at most so much of {found.cost.name} without springs "
+            "more; "
             "travel: from rest; of an element along its length",
             tight=True,
         )
@@ -64,7 +65,7 @@ def parts(found: SpringParts) -> Iterator[Table]:
 def _worth(found: SpringParts) -> Table:
     none = found.worth[0]
     drawn = table(f"{found.name}: what adjusting is worth", tight=True)
-    drawn.add_column("mean torque²\n[N² m²]", justify="right")
+    drawn.add_column(f"mean {found.cost.name}\n[{found.cost.unit}]", justify="right")
     drawn.add_column("less", justify="right")
     of = ("no springs", "one set for all motions", "the best for each motion")
     for label, value in zip(of, found.worth, strict=True):

@@ -10,6 +10,8 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from ..experiments.motors_section import Motors
+from ..springs.cost import KINDS
 from ..springs.elements import names
 from ..text import NOTHING, number
 
@@ -55,7 +57,7 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     drawn = table(
         f"{run.experiment.name}: last cycle of each motion" if first else "",
         f"optimum: of constant springs along the joint motion {motions[0].optimum_of}; "
-        "range: of stiffnesses that cost at most 1 % of torque² without springs more",
+        f"range: of stiffnesses that cost at most 1 % of {run.cost.name} without springs more",
     )
     for motion in motions:
         drawn.add_column(f"motion {motion.number}", justify="right")
@@ -82,9 +84,19 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     def alone(label: str, cells: Sequence[str | Text]) -> None:
         drawn.add_row(label, *(cell for one in cells for cell in (one, "")))
 
+    what = run.cost
+    if run.experiment.springs.cost != "torque-squared":
+        row(f"{what.name} reduction [%]", "cost_reduction", 100, 1)
+        row(f"{what.name} [{what.unit}]", "cost", 1, 3)
+        row("  without springs", "cost_without_springs", 1, 3)
     row("torque reduction [%]", "torque_reduction", 100, 1)
     row("mean torque² [N² m²]", "torque_squared", 1, 2)
     row("  without springs", "torque_squared_without_springs", 1, 2)
+    if run.experiment.motors != Motors():
+        row("electrical power [W]", "electrical_power", 1, 2)
+        row("  without springs", "electrical_power_without_springs", 1, 2)
+        row("peak, of rated torque", "peak_torque", 1, 3)
+        row("  without springs", "peak_torque_without_springs", 1, 3)
     names, slides = run.data["joint"].values, run.data["slides"].values
     for place, figure in enumerate(("stiffness", "offset", "equilibrium")):
         for j, name in enumerate(names):
@@ -114,7 +126,7 @@ def _verdict(motion: MotionOfRun) -> Text:
 
 def reached(motion: MotionOfRun) -> str:
     """The cycle from which it is at the optimum; of nothing where there is no torque to compare."""
-    if not len(motion.cycles) or not motion.torque_squared_optimal > 0:
+    if not len(motion.cycles) or not motion.cost_optimal > 0:
         return NOTHING
     return str(motion.cycles_to_optimum or "never")
 
@@ -142,9 +154,15 @@ def optimum(plan: Plan) -> Table:
             drawn.add_row(f"{figure} {joint} [{unit}]", *cells)
     for at, name in enumerate(names(plan.robot.elements)):
         drawn.add_row(name, *(number(one.springs.others.parameters[at]) for one in best))
-    drawn.add_row("cost J_min [N² m² s]", *(number(one.cost) for one in best))
+    kind = plan.experiment.springs.cost
+    unit = {"torque-squared": "N² m² s", "peak": KINDS["peak"].unit}.get(kind, "J")
+    said = "cost" if kind == "torque-squared" else f"{KINDS[kind].name} of a cycle,"
+    drawn.add_row(f"{said} J_min [{unit}]", *(number(one.cost) for one in best))
     without = (number(one.cost_without_springs) for one in best)
-    drawn.add_row("cost without springs [N² m² s]", *without)
+    drawn.add_row(f"{said} without springs [{unit}]", *without)
+    if kind != "torque-squared":
+        cells = (number(100 * one.reduction, 1) for one in best)
+        drawn.add_row(f"{KINDS[kind].name} reduction [%]", *cells)
     drawn.add_row("torque reduction [%]", *(number(100 * one.torque_reduction, 1) for one in best))
     return drawn
 

@@ -20,6 +20,7 @@ from ..results.motions import MotionOfRun
 from ..results.run import Run, Status, finite
 from ..robots.robot import build
 from ..simulation.simulation import simulate_many
+from ..springs.cost import KINDS
 from ..text import length, percent
 
 SHORTEST = 20
@@ -103,9 +104,9 @@ class Verdict(NamedTuple):
     diverged: int | None
     """Cycle of the motion in which it diverged, 0 for an earlier motion; None if it did not."""
     lowest: float
-    """Least torque² of the second half, as a multiple of the optimum's; NaN if that is 0."""
+    """Least cost of the second half, as a multiple of the optimum's; NaN if that is 0."""
     highest: float
-    """Greatest torque² of the second half, as a multiple of the optimum's."""
+    """Greatest cost of the second half, as a multiple of the optimum's."""
 
     def __str__(self) -> str:
         if self.diverged is not None:
@@ -141,12 +142,13 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the rows, but for those of what needs no word."""
-        head = ("law", "motion", "torque² less by", "tracking RMS", "cycles to the best", "status")
+        less = f"{self.cost} less by"
+        head = ("law", "motion", less, "tracking RMS", "cycles to the best", "status")
         rows = (
             [
                 row["title"],
                 str(row["motion"]),
-                percent(row["torque_reduction"]),
+                percent(row["reduction"]),
                 length(row["tracking_rms"]),
                 str(row["cycles_to_optimum"] or "never"),
                 row["status"],
@@ -155,12 +157,17 @@ class Comparison:
         )
         return html.table(f"{self.experiment.name}: last cycle of each motion", head, rows)
 
+    @property
+    def cost(self) -> str:
+        """What the springs leave the least of."""
+        return KINDS[self.experiment.springs.cost].name
+
     def rows(self) -> list[dict[str, Any]]:
         """A dict per law and motion, of the motion's last cycle.
 
-        law, title, motion, share (of the possible reduction), torque_reduction,
-        torque_reduction_optimal, cycles_to_optimum, tracking_rms [m], peak_torque (the highest of
-        any joint) [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J],
+        law, title, motion, share (of the possible reduction), reduction and reduction_optimal of
+        the cost, torque_reduction, torque_reduction_optimal, cycles_to_optimum, tracking_rms [m],
+        peak_torque (the highest of any joint) [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J],
         status, and long_run in the last motion's. None for what a run that diverged did not reach,
         and for a share of nothing.
         """
@@ -182,9 +189,9 @@ class Comparison:
             # In the last whole cycle, or in the one that follows.
             ended = whole if len(of) and of[-1] <= whole else whole + 1
             return Verdict(max(0, ended - before), np.inf, np.inf)
-        if not motion.torque_squared_optimal > 0:
+        if not motion.cost_optimal > 0:
             return Verdict(None, np.nan, np.nan)
-        second = motion.torque_squared[len(motion.cycles) // 2 :] / motion.torque_squared_optimal
+        second = motion.cost[len(motion.cycles) // 2 :] / motion.cost_optimal
         return Verdict(None, float(second.min()), float(second.max()))
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
@@ -216,13 +223,15 @@ class Comparison:
         return folder
 
     def _row(self, name: str, motion: MotionOfRun) -> dict[str, Any]:
-        run, share = self.runs[name], motion.torque_share
+        run, share = self.runs[name], motion.share
         verdict = self.verdict(name) if motion.number == len(run.motions) else None
         return {
             "law": name,
             "title": self.titles[name],
             "motion": motion.number,
             "share": share[-1].item() if len(share) else None,
+            "reduction": motion.reduction[-1].item() if len(share) else None,
+            "reduction_optimal": motion.reduction_optimal,
             **{key: motion.summary()[key] for key in OF_SUMMARY},
             **_effort(run, motion),
             "status": str(run.status),

@@ -19,6 +19,7 @@ from ..results.metrics import LEAST_REDUCTION
 from ..results.run import Run
 from ..simulation.simulation import simulate_many
 from ..springs.bounds import Bounds
+from ..springs.cost import KINDS, mean_cost
 from ..springs.fit import LinearSprings, fit
 from ..status import Status
 from ..text import NOTHING, minus, number
@@ -127,6 +128,11 @@ class RobustnessMap:
     titles: dict[str, str]
     cells: tuple[Cell, ...]
 
+    @property
+    def cost(self) -> str:
+        """What the springs leave the least of."""
+        return KINDS[self.experiment.springs.cost].name
+
     def save(self, folder: Any) -> str:
         """Write the cells as a table for a spreadsheet; returns the file's name.
 
@@ -187,7 +193,7 @@ def figures(run: Run) -> dict[str, Any]:
     if all(len(one.cycles) >= LAST for one in run.motions) and run.status is not Status.DIVERGED:
         last = {cycle.motion: cycle for cycle in kept(run)}
         each = [_share(last[i], run.plan.gains.bounds) for i in range(len(run.motions))]
-        kept_of = [float(motion.torque_share[-LAST:].mean()) for motion in run.motions]
+        kept_of = [float(motion.share[-LAST:].mean()) for motion in run.motions]
         found["tracking_rms"] = max(float(motion.tracking_rms[-1]) for motion in run.motions)
         for name, values in (("share", each), ("kept", kept_of)):
             if np.isfinite(values).any():
@@ -204,9 +210,9 @@ def _share(cycle: Cycle, bounds: Bounds) -> float:
     exerted = LinearSprings(cycle.stiffness, cycle.offset, cycle.center).torque(cycle.q)
     total = low_pass(cycle.tau + exerted, HARMONICS)
     mean = LinearSprings(cycle.stiffness.mean(axis=0), cycle.offset.mean(axis=0), cycle.center)
-    best = fit(cycle.q, total, bounds, cycle.center)
+    best = fit(cycle.q, total, bounds, cycle.center, cycle.dq)
     needed, left, least = (
-        float((torque**2).sum(axis=1).mean())
+        mean_cost(bounds.objective, torque, cycle.dq)
         for torque in (total, total - mean.torque(cycle.q), total - best.torque(cycle.q))
     )
     possible = needed - least

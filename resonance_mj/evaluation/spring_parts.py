@@ -10,12 +10,13 @@ import numpy as np
 from ..errors import OutputError
 from ..results.cycles import Cycle, kept
 from ..results.run import Run
+from ..springs.cost import Kind, mean_cost
 from ..springs.elements import Element, Elements
 from ..springs.fit import LinearSprings, fit
 from ..springs.optimum import Optimum, best_springs
 
 RISES = (0.01, 0.05)
-"""Of torque² without springs, how much more a stiffness may leave."""
+"""Of the cost without springs, how much more a stiffness may leave."""
 
 
 class Part(NamedTuple):
@@ -70,14 +71,16 @@ class SpringParts:
         name: of the run.
         joints: names of its joints (n).
         motions: one by one.
-        worth: mean torque² over all motions without springs, with the best springs that are the
-            same in all of them, and with the best for each (3,) [N² m²].
+        cost: what the springs leave the least of.
+        worth: that over all motions without springs, with the best springs that are the
+            same in all of them, and with the best for each (3,).
         common: the springs that are the same in all motions.
     """
 
     name: str
     joints: tuple[str, ...]
     motions: tuple[PartsOfMotion, ...]
+    cost: Kind
     worth: np.ndarray
     common: LinearSprings
 
@@ -109,7 +112,8 @@ def spring_parts(run: Run) -> SpringParts:
     ]
     # All motions in a row, each with the weight of its time steps in a cycle.
     q, total = np.concatenate([cycle.q for cycle in cycles]), np.concatenate(totals)
-    common = fit(q, total, bounds, q.mean(axis=0))
+    dq = np.concatenate([cycle.dq for cycle in cycles])
+    common = fit(q, total, bounds, q.mean(axis=0), dq)
     left = [total, total - common.torque(q), np.concatenate([one.torque for one in best])]
     motions = [
         _of_motion(cycle, one, plan.robot.joints) for cycle, one in zip(cycles, best, strict=True)
@@ -118,7 +122,8 @@ def spring_parts(run: Run) -> SpringParts:
         name=run.experiment.name,
         joints=plan.robot.joints,
         motions=tuple(motions),
-        worth=np.array([(torque**2).sum(axis=1).mean() for torque in left]),
+        cost=run.cost,
+        worth=np.array([mean_cost(bounds.objective, torque, dq) for torque in left]),
         common=common,
     )
 

@@ -16,14 +16,14 @@ HEAT = 100.0
 
 
 def drives(
-    experiment: Experiment, robot: Robot, peak: Callable[[], np.ndarray], notes: list[str]
+    experiment: Experiment, robot: Robot, needed: Callable[[int], np.ndarray], notes: list[str]
 ) -> Drives:
     """The motors of an arm.
 
     Args:
         experiment: says what is known of them.
         robot: the arm.
-        peak: gives the largest torque of each joint without springs (n,) [N m]; asked for if a
+        needed: gives the torque (N, n) [N m] that a motion needs without springs; asked for if a
             motor has neither a rated torque nor a limit.
         notes: get a line of what is taken for granted.
     """
@@ -32,7 +32,8 @@ def drives(
     if given.rated_torque is not None:
         rated = np.broadcast_to(given.rated_torque, n)
     elif not np.isfinite(rated).all():
-        rated = np.where(np.isfinite(rated), rated, np.maximum(peak(), np.finfo(float).tiny))
+        every = [np.abs(needed(index)).max(axis=0) for index in range(len(experiment.motion))]
+        rated = np.where(np.isfinite(rated), rated, np.max(every, axis=0) + np.finfo(float).tiny)
     ratio = np.broadcast_to(given.gear_ratio, n)
     k_m = rated / ratio / np.sqrt(HEAT) if given.k_m is None else np.broadcast_to(given.k_m, n)
     if given.k_m is None:
@@ -51,4 +52,3 @@ def drives(
         regeneration=given.regeneration,
         rated_torque=rated,
     )
-

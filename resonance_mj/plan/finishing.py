@@ -47,7 +47,7 @@ def aiming(plan: Plan, notes: list[str]) -> Plan:
     kind = plan.experiment.springs.cost
     if kind == "torque-squared":
         return plan
-    motors = drives(plan.experiment, plan.robot, plan.peak, notes)
+    motors = drives(plan.experiment, plan.robot, plan.needed, notes)
     bounds = plan.gains.bounds._replace(objective=Cost(kind, motors))
     return replace(plan, gains=replace(plan.gains, bounds=bounds))
 

@@ -76,23 +76,19 @@ class Plan:
         """The best constant springs of each motion, by inverse dynamics; no law uses them."""
         experiment, bounds, found = self.experiment, self.gains.bounds, []
         for index, (motion, joints) in enumerate(zip(experiment.motion, self.joints, strict=True)):
-            friction = experiment.reality.friction
-            load = index, motion.payload, experiment.simulation.gravity, friction
-            torque = self._needed(index)
+            load, torque = self._load(index), self.needed(index)
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
             within = [np.asarray(part).tobytes() for part in (center, *bounds.stiffness)]
             springs = "springs", *load, *within, repr((experiment.springs, bounds.objective))
-            work = partial(
-                best_springs, q, torque, center=center, period=motion.period, bounds=bounds
-            )
-            found.append(self._shared(springs, work))
+            how = {"center": center, "period": motion.period, "bounds": bounds}
+            found.append(self._shared(springs, partial(best_springs, q, torque, **how)))
         return found
 
     @cached_property
     def drives(self) -> Drives:
         """The motors of the arm."""
-        return drives(self.experiment, self.robot, self.peak, [])
+        return drives(self.experiment, self.robot, self.needed, [])
 
     @cached_property
     def q_c(self) -> np.ndarray:
@@ -181,17 +177,15 @@ class Plan:
             more = f" (and {rest} more)" if (rest := len(self.unstable) - 1) else ""
             raise StabilityError(f"experiment {self.experiment.name!r}: {self.unstable[0]}{more}")
 
-    def _needed(self, index: int) -> np.ndarray:
+    def needed(self, index: int) -> np.ndarray:
         """Torque that a motion needs, of motors and springs together (N, n) [N m]."""
-        experiment, loaded = self.experiment, self.loaded[index]
-        payload, friction = experiment.motion[index].payload, experiment.reality.friction
-        load = index, payload, experiment.simulation.gravity, friction
-        return self._shared(load, partial(loaded.torque, self.joints[index]))
+        work = partial(self.loaded[index].torque, self.joints[index])
+        return self._shared(self._load(index), work)
 
-    def peak(self) -> np.ndarray:
-        """Largest torque of each joint without springs, in all motions (n,) [N m]."""
-        every = range(len(self.experiment.motion))
-        return np.max([np.abs(self._needed(index)).max(axis=0) for index in every], axis=0)
+    def _load(self, index: int) -> tuple[object, ...]:
+        """What the torque that a motion needs depends on besides the joint motion."""
+        payload, friction = self.experiment.motion[index].payload, self.experiment.reality.friction
+        return index, payload, self.experiment.simulation.gravity, friction
 
     def _shared(self, what: object, work: Callable[[], T]) -> T:
         """What some work on joint motions finds, once for all experiments that have the same."""

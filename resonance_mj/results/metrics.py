@@ -49,25 +49,25 @@ def tracks(position: ArrayLike, size: float, rotation: ArrayLike | None = None) 
 
 
 def cycles_to_optimum(
-    torque_squared: np.ndarray, optimal: float, without: float, tracks: np.ndarray
+    cost: np.ndarray, optimal: float, without: float, tracks: np.ndarray
 ) -> int | None:
-    """First cycle, counted from 1, from which torque² stays within 5 % of the optimum's.
+    """First cycle, counted from 1, from which the cost stays within 5 % of the optimum's.
 
-    A cycle that does not track, or is below the band, counts as outside: it needs less torque
+    A cycle that does not track, or is below the band, counts as outside: it costs less
     because it makes another motion.
 
     Args:
-        torque_squared: per cycle of one motion (cycles,) [N² m²].
-        optimal: of the optimum [N² m²].
-        without: of the motion without springs [N² m²].
+        cost: torque² or another, per cycle of one motion (cycles,).
+        optimal: of the optimum.
+        without: of the motion without springs.
         tracks: whether the tool follows its path in each cycle (cycles,).
 
     Returns:
-        The cycle, or None if the last cycle is outside, or the motion needs no torque.
+        The cycle, or None if the last cycle is outside, or the motion costs nothing.
     """
     if not without > 0:
         return None
-    near = np.abs(torque_squared - optimal) <= max(OPTIMUM_BAND * optimal, NO_TORQUE * without)
+    near = np.abs(cost - optimal) <= max(OPTIMUM_BAND * optimal, NO_TORQUE * without)
     outside = np.flatnonzero(~(near & tracks))
     first = int(outside[-1]) + 1 if outside.size else 0
-    return first + 1 if first < len(torque_squared) else None
+    return first + 1 if first < len(cost) else None

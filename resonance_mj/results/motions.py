@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from ..text import NOTHING
-from .metrics import cycles_to_optimum, reduction, tracks
+from .metrics import cycles_to_optimum, reduction, share, tracks
+from .schema import MOTORS
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,13 @@ class MotionOfRun:
         parameters_optimal: of the best ones, by their names.
         torque_squared_optimal: with the best constant springs [N² m²].
         torque_squared_without_springs: without any [N² m²].
+        kind: what the springs leave the least of, by the words of `springs.cost`.
+        cost: that of each cycle (C,); torque_squared if it is no other.
+        cost_optimal: with the best constant springs.
+        cost_without_springs: without any.
+        motors: electrical power [W] and peak torque, of the rated one, of the last whole cycle, of
+            the optimum and without springs, by their names in `schema.MOTORS`; empty in runs that
+            were made before there were any.
     """
 
     number: int
@@ -73,6 +81,11 @@ class MotionOfRun:
     parameters_optimal: dict[str, float]
     torque_squared_optimal: float
     torque_squared_without_springs: float
+    kind: str
+    cost: np.ndarray
+    cost_optimal: float
+    cost_without_springs: float
+    motors: dict[str, float]
     _data: xr.Dataset = field(repr=False)
 
     @cached_property
@@ -102,15 +115,30 @@ class MotionOfRun:
         return float(reduction(optimal, without))
 
     @property
+    def reduction(self) -> np.ndarray:
+        """1 - cost / cost without springs (C,); NaN for a motion that costs nothing."""
+        return reduction(self.cost, self.cost_without_springs)
+
+    @property
+    def reduction_optimal(self) -> float:
+        """The same of the optimum."""
+        return float(reduction(self.cost_optimal, self.cost_without_springs))
+
+    @property
+    def share(self) -> np.ndarray:
+        """`reduction` over that of the optimum (C,); NaN where no spring helps."""
+        return share(self.reduction, self.reduction_optimal)
+
+    @property
     def cycles_to_optimum(self) -> int | None:
-        """First cycle of the motion, from 1, from which it tracks with the optimum's torque².
+        """First cycle of the motion, from 1, from which it tracks at the optimum's cost.
 
         A cycle of the passage into it is none, as it is not yet the motion.
         """
         return cycles_to_optimum(
-            self.torque_squared,
-            self.torque_squared_optimal,
-            self.torque_squared_without_springs,
+            self.cost,
+            self.cost_optimal,
+            self.cost_without_springs,
             self.tracks & (self.passage == 0),
         )
 
@@ -121,9 +149,9 @@ class MotionOfRun:
             return NOTHING
         if not self.tracks[-1]:
             return "off path"
-        if self.cycles_to_optimum or not self.torque_squared_without_springs > 0:
+        if self.cycles_to_optimum or not self.cost_without_springs > 0:
             return "at optimum"
-        below = self.torque_squared[-1] < self.torque_squared_optimal
+        below = self.cost[-1] < self.cost_optimal
         return "below optimum" if below else "above optimum"
 
     def summary(self) -> dict[str, Any]:
@@ -144,6 +172,18 @@ class MotionOfRun:
             if self.parameters
             else {}
         )
+        asked = {
+            "cost": last(self.cost),
+            "cost_optimal": self.cost_optimal,
+            "cost_without_springs": self.cost_without_springs,
+            "cost_reduction": last(self.reduction),
+            "cost_reduction_optimal": self.reduction_optimal,
+        }
+        joules = {
+            name.replace("power", "energy"): self.period * value
+            for name, value in self.motors.items()
+            if name.startswith("electrical_power")
+        }
         return {
             "start_s": self.start,
             "end_s": self.end,
@@ -153,6 +193,9 @@ class MotionOfRun:
             "torque_squared": last(self.torque_squared),
             "torque_squared_without_springs": self.torque_squared_without_springs,
             "torque_squared_optimal": self.torque_squared_optimal,
+            **({} if self.kind == "torque-squared" else asked),
+            **self.motors,
+            **joules,
             "tracking_rms": last(self.tracking_rms),
             **rotation,
             "stiffness": last(self.stiffness),
@@ -188,12 +231,19 @@ def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
     found = []
     for row, number in enumerate(data["segment"].values.tolist()):
         cycles = of_cycle == number
+        kind = data.attrs.get("cost", "torque-squared")
+        source = "torque_squared" if kind == "torque-squared" else "cost"
         rotation = data["rotation_rms"].values[cycles] if "rotation_rms" in data else None
         names = data["parameter"].values.tolist() if "parameter" in data else []
         found.append(
             MotionOfRun(
                 number=number,
                 rotation_rms=rotation,
+                kind=kind,
+                cost=data[source].values[cycles],
+                cost_optimal=data[f"{source}_optimal"].values[row].item(),
+                cost_without_springs=data[f"{source}_without_springs"].values[row].item(),
+                motors={name: data[name].values[row].item() for name in MOTORS if name in data},
                 parameters={
                     name: data["parameters_per_cycle"].values[cycles, at]
                     for at, name in enumerate(names)

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from ..experiments.experiment import Experiment
+from ..springs.cost import KINDS, Kind
 from ..springs.elements import Elements
 from ..status import Status
 from ..text import NOTHING, length, number, percent
@@ -100,6 +101,11 @@ class Run:
         return motions(self.data)
 
     @property
+    def cost(self) -> Kind:
+        """What the springs leave the least of: its name and unit."""
+        return KINDS[self.experiment.springs.cost]
+
+    @property
     def stiffness(self) -> xr.DataArray:
         """Stiffness of each joint's spring in the last whole cycle (joint) [N m/rad]."""
         return self.data["stiffness_per_cycle"][-1]
@@ -137,12 +143,11 @@ class Run:
     def __repr__(self) -> str:
         ended = [motion for motion in self.motions if len(motion.cycles)]
         reached = ", ".join(
-            f"{percent(one.torque_reduction[-1])} (best {percent(one.torque_reduction_optimal)})"
-            for one in ended
+            f"{percent(one.reduction[-1])} (best {percent(one.reduction_optimal)})" for one in ended
         )
         return (
             f"<Run {self.experiment.name!r}: {self.status}, {self.data.sizes['cycle']} cycles, "
-            f"torque² less by {reached or NOTHING}>"
+            f"{self.cost.name} less by {reached or NOTHING}>"
         )
 
     def _repr_html_(self) -> str:
@@ -154,8 +159,8 @@ class Run:
                 [
                     f"motion {motion.number}",
                     motion.verdict,
-                    f"{percent(last['torque_reduction'])} (best "
-                    f"{percent(motion.torque_reduction_optimal)})",
+                    f"{percent(motion.reduction[-1] if len(motion.cycles) else None)} (best "
+                    f"{percent(motion.reduction_optimal)})",
                     length(last["tracking_rms"]),
                     *(
                         f"{number(mine)} ({number(best)})"
@@ -168,7 +173,7 @@ class Run:
                 ]
             )
         joints = [f"k {name} (best)" for name in self.data["joint"].values]
-        head = ["", "the last cycle is", "torque² less by", "tracking RMS", *joints]
+        head = ["", "the last cycle is", f"{self.cost.name} less by", "tracking RMS", *joints]
         return html.table(f"{self.experiment.name}: {self.status}. {self.message}", head, rows)
 
     def __getstate__(self) -> dict[str, Any]:

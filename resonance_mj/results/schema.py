@@ -71,6 +71,15 @@ VARIABLES = {
     "stiffness_most": Variable(MOTION_JOINT, "N m/rad", "greatest that leaves 1 % more of it"),
     "torque_squared_optimal": Variable(MOTION, "N^2 m^2", "torque_squared of the optimum"),
     "torque_squared_without_springs": Variable(MOTION, "N^2 m^2", "the same without springs"),
+    "cost": Variable(CYCLE, "1", "what springs.cost says, of the cycle"),
+    "cost_optimal": Variable(MOTION, "1", "cost of the optimum"),
+    "cost_without_springs": Variable(MOTION, "1", "the same without springs"),
+    "electrical_power": Variable(MOTION, "W", "of all motors, mean of the last whole cycle"),
+    "electrical_power_optimal": Variable(MOTION, "W", "electrical_power of the optimum"),
+    "electrical_power_without_springs": Variable(MOTION, "W", "the same without springs"),
+    "peak_torque": Variable(MOTION, "1", "largest of a motor in it, of its rated torque"),
+    "peak_torque_optimal": Variable(MOTION, "1", "peak_torque of the optimum"),
+    "peak_torque_without_springs": Variable(MOTION, "1", "the same without springs"),
     "optimum_made": Variable(MOTION, "1", "1 if the optimum is of the joint motion made", "i"),
     "size": Variable(MOTION, "m", "largest extent of the desired path"),
     "start": Variable(MOTION, "s", "start of the motion"),
@@ -84,7 +93,17 @@ VARIABLES = {
 ELASTIC = ("parameter", "parameters_per_cycle", "parameters_optimal")
 """Variables that only runs with elastic elements besides the joints' springs have."""
 
-OPTIONAL = ("rotation_rms", "q_end", "dq_end", "checkpoint", *ELASTIC)
+COST = ("cost", "cost_optimal", "cost_without_springs")
+"""Variables that only runs have whose springs leave the least of something else than torque²."""
+
+MOTORS = tuple(
+    f"{name}{of}"
+    for name in ("electrical_power", "peak_torque")
+    for of in ("", "_optimal", "_without_springs")
+)
+"""What the motors do in the last whole cycle of each motion, beside the optimum's."""
+
+OPTIONAL = ("rotation_rms", "q_end", "dq_end", "checkpoint", *ELASTIC, *COST, *MOTORS)
 """Variables that only runs of a task with rotation have, or those of this version."""
 
 KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
@@ -95,7 +114,11 @@ OF_SLIDES = {"rad": "m", "rad/s": "m/s", "N m": "N", "N m/rad": "N/m"}
 
 
 def dataset(
-    values: Mapping[str, Any], *, units: Mapping[str, str] | None = None, thinned: bool
+    values: Mapping[str, Any],
+    *,
+    units: Mapping[str, str] | None = None,
+    thinned: bool,
+    cost: str = "torque-squared",
 ) -> xr.Dataset:
     """The dataset of a run, built at once.
 
@@ -103,6 +126,7 @@ def dataset(
         values: by the names of `COORDINATES` and `VARIABLES`, all but what `OPTIONAL` allows.
         units: of variables in which they differ from the table.
         thinned: whether only some cycles' samples are among them.
+        cost: what the springs leave the least of.
     """
     mixed = bool(np.any(values["slides"]))
 
@@ -118,7 +142,7 @@ def dataset(
     return xr.Dataset(
         {name: entry(name, about) for name, about in VARIABLES.items() if name in names},
         {name: entry(name, about) for name, about in COORDINATES.items() if name in names},
-        {"thinned": int(thinned)},
+        {"thinned": int(thinned), "cost": cost},
     )
 
 

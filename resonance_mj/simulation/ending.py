@@ -41,6 +41,8 @@ class LastCycle(NamedTuple):
     """Motor torque (N, n) [N m]."""
     springs: LinearSprings
     """That acted, at each step."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
 
     @property
     def total(self) -> np.ndarray:

@@ -17,6 +17,7 @@ from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
 from .ending import Hindrance, LastCycle
+from .motors import of_motors
 from .thinning import kept_cycles
 
 POSES = 4
@@ -43,6 +44,7 @@ class Recording:
 
     def __init__(self, plan: Plan) -> None:
         self._plan, self._robot = plan, plan.robot
+        self._cost = plan.gains.bounds.objective
         self._dt = plan.experiment.simulation.timestep
         self._segment = np.array(plan.schedule)
         self._kept = kept_cycles(plan)
@@ -55,10 +57,10 @@ class Recording:
             name: np.full((room, *self._wide(name)), 0.0)
             for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
         }
-        self._filled = 0
+        self._filled, also = 0, ["cost"] if self._cost else []
         self._cycles = {
             name: np.empty((len(self._segment), *self._wide(name)))
-            for name in (*FIGURES, *(f"{name}_per_cycle" for name in PER_CYCLE))
+            for name in (*FIGURES, *also, *(f"{name}_per_cycle" for name in PER_CYCLE))
         }
         self._done = 0
         self._time = 0.0
@@ -86,7 +88,8 @@ class Recording:
             others = Elements(self._robot.elements, parameters)
             own = mine["stiffness"].values, mine["offset"].values
             acting = LinearSprings(*own, center[0], others)
-            self.last[int(self._segment[cycle - 1])] = LastCycle(q, tau, acting)
+            dq, segment = mine["dq"].values, int(self._segment[cycle - 1])
+            self.last[segment] = LastCycle(q, tau, acting, dq)
 
     def diverges(self) -> str:
         """Why the last cycle shows that the run diverges; empty if it does not.
@@ -139,7 +142,9 @@ class Recording:
         self._poses.append(q[:: max(1, steps // POSES)])
         own = signals["stiffness"], signals["offset"]
         acting = LinearSprings(*own, springs.center.copy(), springs.others)
-        self.last[int(self._segment[cycle])] = LastCycle(q, tau, acting)
+        self.last[int(self._segment[cycle])] = LastCycle(q, tau, acting, signals["dq"])
+        if self._cost is not None:
+            found["cost"][cycle] = self._cost.of(tau, signals["dq"])
         for name, value in zip(PER_CYCLE, (*springs, springs.others.parameters), strict=True):
             found[f"{name}_per_cycle"][cycle] = value
         self._done += 1
@@ -247,6 +252,7 @@ class Recording:
         ]
         optimal = metrics.reduction(values["torque_squared_optimal"], without)
         reduced = metrics.reduction(values["torque_squared"], without[segment])
+        values |= of_motors(plan, optima, self.last)
         ends = np.cumsum([motion.duration for motion in plan.experiment.motion])
         transposed = plan.experiment.law.jacobian == "transpose"
         return schema.dataset(
@@ -274,6 +280,7 @@ class Recording:
             },
             units={"y": "m^2/s"} if transposed else None,
             thinned=len(self._kept) < len(self._segment),
+            cost=plan.experiment.springs.cost,
         )
 
 

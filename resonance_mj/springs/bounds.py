@@ -34,7 +34,6 @@ class Bounds(Protocol):
     def weights(self) -> np.ndarray | tuple[float, ...] | None:
         """Of each joint's torque² in the cost (n,); None for 1 each."""
 
-
     @property
     def objective(self) -> Cost | None:
         """What is to be least; None for torque²."""

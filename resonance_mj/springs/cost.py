@@ -130,12 +130,25 @@ class Cost:
         power1, power2 = m1 * slope, m2 * slope + 2 * heat * m1**2
         if self.kind == "energy":
             eta = own.regeneration
-            scale = SMOOTH * (np.abs(usual * dq).mean(axis=0) + (usual / own.gear_ratio / own.k_m) ** 2)
+            scale = SMOOTH * (
+                np.abs(usual * dq).mean(axis=0) + (usual / own.gear_ratio / own.k_m) ** 2
+            )
             above, is_above, sharp = _ramp(power, scale)
             share = eta + (1 - eta) * is_above
             power2 = share * power2 + (1 - eta) * sharp * power1**2
             power, power1 = eta * power + (1 - eta) * above, share * power1
         return power, sign * power1, power2
+
+
+def mean_cost(objective: Cost | None, tau: np.ndarray, dq: np.ndarray) -> float:
+    """Cost of motors' torque over a cycle; the mean of τᵀτ [N² m²] if no other is asked for.
+
+    Args:
+        objective: what is to be least.
+        tau: motors' torque (N, n) [N m].
+        dq: joint velocities (N, n) [rad/s].
+    """
+    return objective.of(tau, dq) if objective else float((tau**2).sum(axis=1).mean())
 
 
 def velocity(q: np.ndarray, period: float) -> np.ndarray:

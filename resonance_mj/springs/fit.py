@@ -17,6 +17,7 @@ from . import program, spring
 from .bounds import Bounds
 from .cost import Cost
 from .elements import NO_ELEMENTS, Elements
+from .least_peak import least_peak
 
 
 @dataclass(frozen=True)
@@ -124,15 +125,14 @@ def _least(
     given, n = columns(q, bounds), q.shape[1]
     if cost.kind == "peak":
         rated = cost.drives.rated_torque
-        best = program.least_peak(given, torque.ravel(), bounds.elements, rated)
+        best = least_peak(given, torque.ravel(), bounds.elements, rated)
     else:
         speed = np.zeros_like(q) if dq is None else dq
         usual = np.sqrt((torque**2).mean(axis=0)) + np.finfo(float).tiny
 
-        def each(left: np.ndarray) -> tuple[np.ndarray, ...]:
-            return tuple(
-                part.ravel() for part in cost.smooth(left.reshape(q.shape), speed, usual)
-            )
+        def each(left: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            value, slope, curvature = cost.smooth(left.reshape(q.shape), speed, usual)
+            return value.ravel(), slope.ravel(), curvature.ravel()
 
         best = program.least(given, torque.ravel(), bounds.elements, each)
     least, most = (np.broadcast_to(end, n) for end in bounds.stiffness)
@@ -141,7 +141,10 @@ def _least(
     stiffness, offset = np.clip(best[:n], least, most), best[n : 2 * n]
     low, high = (np.broadcast_to(end, n) for end in reach(bounds, q.mean(axis=0)))
     bounded = np.isfinite(low) & np.isfinite(high)
-    ends = [np.where(bounded, stiffness * np.where(bounded, end, 0), side) for end, side in ((low, -np.inf), (high, np.inf))]
+    ends = [
+        np.where(bounded, stiffness * np.where(bounded, end, 0), side)
+        for end, side in ((low, -np.inf), (high, np.inf))
+    ]
     return LinearSprings(stiffness, np.clip(offset, *ends), q.mean(axis=0), others)
 
 

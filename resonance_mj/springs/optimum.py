@@ -1,6 +1,5 @@
 """The optimum: the best constant springs for a joint motion, (2), (3), and what they leave over."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,9 +7,10 @@ import numpy as np
 
 from ..text import percent, shown
 from .bounds import Bounds
-from .cost import KINDS, velocity
-from .fit import LinearSprings, fit, reach
-from .spring import STILL, equilibrium_angles
+from .cost import KINDS, mean_cost, velocity
+from .fit import LinearSprings, fit
+from .ranges import stiffness_range
+from .spring import equilibrium_angles
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,11 +87,13 @@ class Optimum:
 
     def _cost(self, torque: np.ndarray) -> float:
         """Of motors' torque (N, n) over a cycle."""
-        objective = self.bounds.objective
-        if objective is None:
+        if self.bounds.objective is None:
             return _integral(torque, self.period)
-        rate = objective.of(torque, self.dq)
-        return rate if objective.kind == "peak" else rate * self.period
+        return self.rate(torque) * (1.0 if self.kind == "peak" else self.period)
+
+    def rate(self, torque: np.ndarray) -> float:
+        """Mean cost of motors' torque along the motion (N, n): torque² [N² m²], power, or peak."""
+        return mean_cost(self.bounds.objective, torque, self.dq)
 
     @property
     def torque_squared(self) -> float:
@@ -115,54 +117,17 @@ class Optimum:
         Other joints' springs, and elements, are as they are.
 
         Args:
-            rise: how much more torque² they leave at most, as a share of that without springs.
+            rise: how much more they cost at most, as a share of what none cost.
 
         Returns:
             Least and greatest [N m/rad]; the bounds of one that makes no difference.
         """
-        mean = self.q.mean(axis=0)
-        low, high = reach(self.bounds, mean)
-        others = self.springs.others
-        needed = self.torque_without_springs
-        needed = needed - others.torque(self.q) if others.elements else needed
-        z, level = self.q - mean, needed.mean(axis=0)
-        rest = needed - level
-        allowed = rise * self.torque_squared_without_springs
-        most = (self.torque**2).mean(axis=0) + allowed
-        bounds = [np.broadcast_to(end, level.shape) for end in self.bounds.stiffness]
-        ends = np.stack(bounds, axis=1)
-        squared, both, alone = (z**2).mean(axis=0), (z * rest).mean(axis=0), (rest**2).mean(axis=0)
-        for j in np.flatnonzero(squared > STILL):
-
-            def beyond(k: float, j: int = int(j)) -> float:
-                """How far torque² is above the most with a stiffness and its best offset."""
-                bounded = np.isfinite(low[j]) and np.isfinite(high[j])
-                reachable = (k * low[j], k * high[j]) if bounded else (-np.inf, np.inf)
-                miss = min(max(level[j], reachable[0]), reachable[1]) - level[j]
-                return float(squared[j] * k**2 + 2 * both[j] * k + alone[j] + miss**2 - most[j])
-
-            # It exceeds that of the best k* by var(q) (k - k*)² at least.
-            best, furthest = self.stiffness[j], np.sqrt(allowed / squared[j])
-            for side, bound in enumerate(ends[j]):
-                end = bound
-                if abs(bound - best) > furthest:
-                    end = best + (2 * side - 1) * 1.001 * furthest
-                if beyond(end) > 0:
-                    ends[j, side] = _crossing(beyond, best, end)
-        return ends
+        return stiffness_range(self, rise)
 
 
 def _integral(torque: np.ndarray, period: float) -> float:
     """∫τᵀτ dt over a cycle of torques (N, n) [N² m² s]."""
     return float((torque**2).sum() * (period / len(torque)))
-
-
-def _crossing(beyond: Callable[[float], float], inside: float, outside: float) -> float:
-    """Where an increasing function passes zero between two points, to rounding."""
-    for _ in range(60):
-        middle = (inside + outside) / 2
-        inside, outside = (inside, middle) if beyond(middle) > 0 else (middle, outside)
-    return inside
 
 
 def best_springs(

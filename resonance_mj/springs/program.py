@@ -4,7 +4,7 @@
 polyhedron. With the metric of the cost taken out it is a least-distance problem, and that a
 non-negative least squares problem (Lawson and Hanson, Solving Least Squares Problems, ch. 23),
 which an active-set method solves exactly in a finite number of steps. Of another cost that is
-convex and smooth, Newton's method solves one such problem at a time; of the peak, a linear program.
+convex and smooth, Newton's method solves one such problem at a time.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ FLOOR = 1e-6
 """Singular value, of the largest, below which parameters cannot be told apart: there the least of
 them that is feasible is taken."""
 
-NEWTON_STEPS, CLOSE = 50, 1e-9
-"""Most of them, and what a step must promise of the cost to be made."""
+NEWTON_STEPS, SHORTEST = 50, 1e-6
+"""Most of them, and how short one may be made to lower the cost."""
 
-PEAK_ROUNDS, PEAK_CLOSE, SECOND = 60, 1e-6, 1e-3
-"""Linear programs that are solved at most; how much higher than all that it sees a peak may be; and
-the weight of the motors' own peaks, of 1 for the largest."""
+CLOSE, LAST = 1e-9, 2
+"""Share of the cost that a step promises from which on it is close to the least, and how many such
+steps make it exact."""
 
 ROUNDS = 20
 """Times that the stiffness of cubic elements is looked at between where it is bounded."""
@@ -114,7 +114,7 @@ def least(
     Raises:
         ValueError: no parameters are feasible.
     """
-    found, phi = best(given, torque, elements), given.torque
+    found, phi, close = best(given, torque, elements), given.torque, 0
     value, slope, curvature = cost(torque - phi @ found)
     for _ in range(NEWTON_STEPS):
         uphill, H = -(phi.T @ slope), phi.T @ (curvature[:, None] * phi)
@@ -122,90 +122,17 @@ def least(
         wanted = (H @ found - uphill) / scale
         way = _quadratic(H / np.outer(scale, scale), wanted, scale, given, elements) - found
         gain, length = float(-uphill @ way), 1.0
-        if gain <= CLOSE * abs(value.sum()):
-            break
-        while length > 1e-6:
-            value_there, slope, curvature = cost(torque - phi @ (found + length * way))
-            if value_there.sum() <= value.sum() - 1e-4 * length * gain:
+        # At the end the steps are whole, and what they gain is less than rounding.
+        close += gain <= CLOSE * abs(value.sum())
+        while True:
+            there = cost(torque - phi @ (found + length * way))
+            if close or there[0].sum() <= value.sum() - 1e-4 * length * gain or length < SHORTEST:
                 break
             length *= 0.5
-        else:
+        found, (value, slope, curvature) = found + length * way, there
+        if close == LAST or length < SHORTEST:
             break
-        found, value = found + length * way, value_there
     return found
-
-
-def least_peak(
-    given: Columns, torque: np.ndarray, elements: tuple[Element, ...], rated: np.ndarray
-) -> np.ndarray:
-    """Feasible parameters (d,) that leave the least peak, of the rated torque (n,) of each motor.
-
-    Of those that leave the same, the ones with the least sum of the motors' own peaks. The linear
-    program sees of each motor its highest peaks and is given more of them, until none is higher.
-
-    Raises:
-        ValueError: no parameters are feasible.
-    """
-    from scipy.optimize import linprog
-
-    n, start = len(rated), best(given, torque, elements)
-    left = (torque - given.torque @ start).reshape(-1, n) / rated
-    phi = given.torque.reshape(len(left), n, -1) / rated[:, None]
-    # Where parameters do nothing along the motion, they are as they are.
-    rms = np.sqrt((given.torque**2).mean(axis=0))
-    moves = rms > FLOOR * rms.max(initial=0.0)
-    usual = np.abs(left).max(initial=0.0)
-    if not usual or not moves.any():
-        return start
-    unit = usual / np.sqrt((phi**2).mean(axis=(0, 1))[moves])
-    d = int(moves.sum())
-    rows, ends, change = given.rows, given.ends, np.zeros(d)
-    seen: dict[tuple[int, int], None] = {}
-    goal = np.concatenate([np.zeros(d), np.full(n, SECOND / n), [1.0]])
-    peaks = np.full(n, -np.inf)
-    for _ in range(PEAK_ROUNDS):
-        now = (left - phi[:, :, moves] @ (unit * change)) / usual
-        before = len(seen)
-        for j in range(n):
-            for t in _peaks(np.abs(now[:, j])):
-                if abs(now[t, j]) > peaks[j] + PEAK_CLOSE:
-                    seen[t, j] = None
-        more = list(_exceeded(_moved(start, moves, unit * change), elements))
-        if more:
-            rows = np.vstack([rows, *(row for row, _ in more)])
-            ends = np.append(ends, [end for _, end in more])
-        if len(seen) == before and not more:
-            break
-        at, of = np.array(list(seen)).T
-        reach = phi[at, of][:, moves] * unit / usual
-        own = np.zeros((len(at), n + 1))
-        own[np.arange(len(at)), of] = -1.0
-        level = left[at, of] / usual
-        ordered = np.hstack([np.zeros((n, d)), np.eye(n), -np.ones((n, 1))])
-        within = np.hstack([rows[:, moves] * unit, np.zeros((len(rows), n + 1))])
-        A = np.vstack([np.hstack([-reach, own]), np.hstack([reach, own]), ordered, within])
-        b = np.concatenate([-level, level, np.zeros(n), ends - rows @ start])
-        size = np.abs(A).max(axis=1)
-        free = (None, None)
-        solved = linprog(
-            goal, A / size[:, None], b / size, bounds=[free] * d + [(0.0, None)] * (n + 1)
-        )
-        if solved.x is None:
-            break
-        change, peaks = solved.x[:d], solved.x[d : d + n]
-    return _moved(start, moves, unit * change)
-
-
-def _moved(start: np.ndarray, moves: np.ndarray, change: np.ndarray) -> np.ndarray:
-    found = start.copy()
-    found[moves] += change
-    return found
-
-
-def _peaks(size: np.ndarray) -> np.ndarray:
-    """Where a torque over a cycle is largest: its maxima in time."""
-    higher = (size >= np.roll(size, 1)) & (size >= np.roll(size, -1))
-    return np.flatnonzero(higher)
 
 
 def _scale(size: np.ndarray) -> np.ndarray:
@@ -229,7 +156,7 @@ def _quadratic(
     rows, ends = given.rows, given.ends
     for _ in range(ROUNDS):
         found = back @ _nearest(wanted, rows @ back, ends)
-        more = list(_exceeded(found, elements))
+        more = list(exceeded(found, elements))
         if not more:
             break
         rows = np.vstack([rows, *(row for row, _ in more)])
@@ -257,7 +184,7 @@ def _nearest(wanted: np.ndarray, A: np.ndarray, b: np.ndarray) -> np.ndarray:
     return wanted - size * residual[:-1] / residual[-1]
 
 
-def _exceeded(
+def exceeded(
     found: np.ndarray, elements: tuple[Element, ...]
 ) -> Iterator[tuple[np.ndarray, float]]:
     """Rows of A and b that bound cubic elements where their stiffness exceeds its bounds."""

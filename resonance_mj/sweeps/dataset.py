@@ -14,7 +14,7 @@ import xarray as xr
 from ..errors import OutputError
 from ..experiments.sweeping import Sweep
 from ..results.run import Run, finite
-from ..results.schema import VARIABLES
+from ..results.schema import MOTORS, VARIABLES
 from ..text import shown
 
 FIGURES = (
@@ -23,10 +23,17 @@ FIGURES = (
     "torque_squared",
     "torque_squared_without_springs",
     "torque_squared_optimal",
+    "cost_reduction",
+    "cost_reduction_optimal",
+    "cost",
+    "cost_without_springs",
+    "cost_optimal",
+    *MOTORS,
+    *(name.replace("power", "energy") for name in MOTORS if name.startswith("electrical_power")),
     "tracking_rms",
     "cycles_to_optimum",
 )
-"""Of each motion, as in summary.json."""
+"""Of each motion, as in summary.json; what a run does not have is NaN."""
 
 PER_JOINT = ("stiffness", "stiffness_optimal", "offset", "offset_optimal")
 PER_CYCLE = ("torque_squared", "tracking_rms")
@@ -61,7 +68,7 @@ class Outcome:
             message=summary["message"],
             joints=[str(name) for name in data["joint"].values],
             motions=[
-                {name: one[name] for name in (*FIGURES, *PER_JOINT)} for one in summary["segments"]
+                {name: one.get(name) for name in (*FIGURES, *PER_JOINT)} for one in summary["segments"]
             ],
             cycles={name: finite(data[name].values.tolist()) for name in PER_CYCLE},
             diverges=diverges,
@@ -150,7 +157,8 @@ def of(settings: Sweep, outcomes: Sequence[Outcome]) -> xr.Dataset:
     found = xr.Dataset(data, coords=along)
     for name in (*FIGURES, *PER_JOINT, *(f"{name}_per_cycle" for name in PER_CYCLE)):
         known = VARIABLES.get(name.removesuffix("_per_cycle"))
-        found[name].attrs["units"] = known.units if known else "1"
+        unit = "J" if name.startswith("electrical_energy") else "1"
+        found[name].attrs["units"] = known.units if known else unit
     return found.assign_attrs(title=f"resonance-mj sweep of {settings.experiment}")
 
 

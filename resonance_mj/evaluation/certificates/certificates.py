@@ -188,8 +188,9 @@ def _handovers(
     pairs = [(now, then) for now, then in following if then and len(then.q) == len(now.q)]
     kind = plan.experiment.law.kind
     claims = OF_A_CYCLE.get(kind, OF_A_CYCLE["paper"])
-    if kind not in HANDOVERS or not pairs:
-        why = NO_PAIRS if kind in HANDOVERS else _no_proof(kind)
+    peak = plan.experiment.springs.cost == "peak"
+    if kind not in HANDOVERS or not pairs or peak:
+        why = NO_SLOPE if peak else NO_PAIRS if kind in HANDOVERS else _no_proof(kind)
         return [unknown(motion, claim, why) for claim in claims]
     cycles = np.array([now.number for now, _ in pairs])
     left = np.array([HANDOVERS[kind](*pair, plan) for pair in pairs])
@@ -205,8 +206,11 @@ def _of_optimum(
     """(12), (15) and (22)."""
     kind, chosen = plan.experiment.law.kind, plan.gains
     why = ""
+    asked = plan.experiment.springs.cost
     if kind not in HANDOVERS:
         why = _no_proof(kind)
+    elif asked != "torque-squared":
+        why = f"V of (14) is of torque², and springs.cost = {asked!r}"
     elif chosen.jacobian == "transpose":
         why = "there is no proof with Jᵀ in (8)"
     elif np.linalg.matrix_rank(chosen.learning) < plan.robot.n:
@@ -218,6 +222,8 @@ def _of_optimum(
     rest = [unknown(motion, claim, why or NO_MOTION) for claim in (PASSIVE, FALLING)]
     if best is None:
         return [unknown(motion, OPTIMAL, NO_MOTION), *rest]
+    if asked == "peak":
+        return [unknown(motion, OPTIMAL, NO_SLOPE), *rest]
     left = optimal(best, plan.gains.bounds)[None]
     twelve = left_over(motion, OPTIMAL, np.zeros(0, int), left, plan.robot.joints)
     if why:
@@ -282,6 +288,7 @@ def unknown(motion: int, claim: Claim, why: str) -> Certificate:
     return Certificate(motion, claim, nothing.astype(int), nothing, nothing.astype(bool), note=why)
 
 
+NO_SLOPE = "a peak has no slope that vanishes at its least"
 NO_PAIRS = "no two cycles in a row were kept"
 NO_MOTION = "the task leaves joints free, and no last motion was made to compare with"
 

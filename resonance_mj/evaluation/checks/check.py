@@ -12,6 +12,7 @@ from ...results.metrics import OPTIMUM_BAND
 from ...results.motions import MotionOfRun
 from ...results.run import Run
 from ...results.schema import OF_SLIDES, VARIABLES
+from ...springs.cost import KINDS
 from ...status import Status
 
 OF_SPRING, OF_TORQUE = 0.01, 0.001
@@ -123,8 +124,8 @@ def _course(motion: MotionOfRun, figure: str) -> np.ndarray:
     """A figure in each whole cycle of a motion (C,) or (C, n)."""
     if figure != "cycles_to_optimum":
         return np.asarray(getattr(motion, figure))
-    squared, best = motion.torque_squared, motion.torque_squared_optimal
-    return squared / best if best > 0 else np.full(len(squared), np.nan)
+    cost, best = motion.cost, motion.cost_optimal
+    return cost / best if best > 0 else np.full(len(cost), np.nan)
 
 
 def _last(course: np.ndarray) -> float | None:
@@ -139,9 +140,9 @@ def _why_none(motion: MotionOfRun, figure: str) -> str:
         return "the motion needs no torque without springs"
     if figure == "torque_share":
         return "no spring helps: the best ones leave the torque² that there is without any"
-    if not motion.torque_squared_optimal > 0:
+    if not motion.cost_optimal > 0:
         return "the best springs leave no torque, and no cycle is within 5 % of none"
-    return "the last cycle is not within 5 % of the optimum's torque²"
+    return f"the last cycle is not within 5 % of the optimum's {KINDS[motion.kind].name}"
 
 
 def _near(motion: MotionOfRun) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def explain(missed: Judgement) -> str:
         lines[0] += f": {missed.why}"
     if missed.figure == "cycles_to_optimum":
         band = Band(1.0, True, 1 - OPTIMUM_BAND, 1 + OPTIMUM_BAND)
-        lines[0] += "; torque² / that of the optimum, in each cycle:"
+        lines[0] += "; as a multiple of the optimum's, in each cycle:"
     elif isinstance(missed.found, float):
         lines[0] += f": {distance(missed.found, band)}"
         lines.append(f"  {when(course, band)}")

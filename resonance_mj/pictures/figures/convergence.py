@@ -48,8 +48,10 @@ def draw(runs: Sequence[Run], width: float) -> Figure:
 
 def panels(sheet: Sheet, runs: Sequence[Run], lines: Sequence[Line]) -> list[Axes]:
     """Panels of torque² as a multiple of the optimum's and of errors, a line for each run."""
-    full = "mean of τᵀτ per cycle, as a multiple of the optimum's [1]"
-    short = "mean of τᵀτ / that of the optimum [1]"
+    kinds = {run.experiment.springs.cost: run.cost.name for run in runs}
+    what = "mean of τᵀτ" if [*kinds] == ["torque-squared"] else " or ".join(kinds.values())
+    full = f"{what} per cycle, as a multiple of the optimum's [1]"
+    short = f"{what} / that of the optimum [1]"
     shown = {full: [cycles.ratio(run) for run in runs], **cycles.errors(runs)}
     axes = []
     for row, (title, values) in enumerate(shown.items()):

@@ -29,15 +29,15 @@ def draw(run: Run, width: float) -> Figure:
     """Torque² with the optimum's and that without springs, and tracking RMS, of each cycle."""
     found = errors([run])
     sheet = Sheet(width, [Row(1.7), *[Row(1.1)] * len(found)], heading=heading(run), legend=LEGEND)
-    torque = torque_squared(sheet, 0, run)
+    torque = cost(sheet, 0, run)
     for motion in run.motions:
-        best, first = motion.torque_squared_optimal, motion.cycles_to_optimum
+        best, first = motion.cost_optimal, motion.cycles_to_optimum
         if motion.cycles.size and best > 0:
             ends = motion.cycles[0] - 0.5, motion.cycles[-1] + 0.5
             low, high = (1 - OPTIMUM_BAND) * best, (1 + OPTIMUM_BAND) * best
             torque.fill_between(ends, low, high, **BAND, linewidth=0)
         if first is not None:
-            torque.plot(motion.cycles[first - 1], motion.torque_squared[first - 1], **REACHED)
+            torque.plot(motion.cycles[first - 1], motion.cost[first - 1], **REACHED)
     for row, (title, (values,)) in enumerate(found.items(), start=1):
         ax = sheet.panel(row, 0, title)
         curve(ax, run, values, **LINES["measured"])
@@ -96,28 +96,33 @@ def errors(runs: Sequence[Run]) -> dict[str, list[np.ndarray]]:
 
 
 def ratio(run: Run) -> np.ndarray:
-    """Torque² of each cycle as a multiple of the optimum's (cycles,); NaN where that is 0."""
-    best = run.data["torque_squared_optimal"].values[run.data["segment_of_cycle"].values - 1]
-    return run.data["torque_squared"].values / np.where(best > 0, best, np.nan)
+    """Cost of each cycle as a multiple of the optimum's (cycles,); NaN where that is 0."""
+    best = np.array([motion.cost_optimal for motion in run.motions])
+    best = best[run.data["segment_of_cycle"].values - 1]
+    return np.concatenate([one.cost for one in run.motions]) / np.where(best > 0, best, np.nan)
 
 
-def torque_squared(sheet: Sheet, row: int, run: Run, span: int = 1) -> Axes:
-    """A panel of each cycle's torque², with the optimum's and that without springs of each motion.
+def cost(sheet: Sheet, row: int, run: Run, span: int = 1) -> Axes:
+    """A panel of each cycle's cost, with the optimum's and that without springs of each motion.
 
     At the line without springs stands by how much less each motion ended.
     """
     slides = run.data["slides"].values.astype(bool)
     # The terms of the sum differ in unit from joint to joint.
     unit = "N²" if slides.all() else "N² m² + N²" if slides.any() else "N² m²"
-    ax = sheet.panel(row, 0, f"mean of τᵀτ per cycle [{unit}]", span=span)
+    title = f"mean of τᵀτ per cycle [{unit}]"
+    if run.experiment.springs.cost != "torque-squared":
+        title = f"{run.cost.name} per cycle [{run.cost.unit}]"
+    ax = sheet.panel(row, 0, title, span=span)
     for motion in run.motions:
         if motion.cycles.size:
             ends = motion.cycles[0] - 0.5, motion.cycles[-1] + 0.5
-            without, best = motion.torque_squared_without_springs, motion.torque_squared_optimal
+            without, best = motion.cost_without_springs, motion.cost_optimal
             ax.hlines(without, *ends, **LINES["without springs"])
             if best > LEAST_REDUCTION * without:  # the rounding of none at all has no height
                 ax.hlines(best, *ends, **LINES["with optimal springs"])
-    curve(ax, run, run.data["torque_squared"].values, **LINES["measured"])
+    values = np.concatenate([motion.cost for motion in run.motions])
+    curve(ax, run, values, **LINES["measured"])
     logarithmic(ax)
     if ax.get_yscale() == "log":
         low, high = ax.get_ylim()
@@ -132,7 +137,7 @@ def _reductions(ax: Axes, run: Run) -> None:
     for motion in run.motions:
         if not motion.cycles.size:
             continue
-        share, best = float(motion.torque_reduction[-1]), motion.torque_reduction_optimal
+        share, best = float(motion.reduction[-1]), motion.reduction_optimal
         of = f"optimum {best:.1%} less" if best > LEAST_REDUCTION else "no spring helps"
         if not motion.tracks[-1]:
             off = f"RMS {length(motion.tracking_rms[-1])}"
@@ -147,7 +152,7 @@ def _reductions(ax: Axes, run: Run) -> None:
                 f"{share:.1%} less ({of.replace('optimum', 'of').removesuffix(' less')})",
                 f"{share:.1%}",
             ]
-        height = motion.torque_squared_without_springs or ax.get_ylim()[0]
+        height = motion.cost_without_springs or ax.get_ylim()[0]
         remark(
             ax,
             fitting(wordings, small(), width * motion.cycles.size - 0.06),

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from ...results.run import Run
 from ...text import minus, of_joint
 from ..spans import spans
-from .cycles import torque_squared
+from .cycles import cost
 from .sheet import Row, Sheet, abscissa_of_the_panel_below, fitting, heading, width_of
 from .style import LABEL_BOX, LINES, enlarged, remark, small
 from .ticks import breadth, even
@@ -73,7 +73,7 @@ def draw(run: Run, width: float) -> Figure:
         even(ax, least=HONEST * heights[kind])
         if rows[row].below < Row(0).below:
             abscissa_of_the_panel_below(ax)
-    torque_squared(sheet, len(rows) - 1, run, span=columns)
+    cost(sheet, len(rows) - 1, run, span=columns)
     return sheet.figure
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 
+from ...springs.cost import KINDS
 from ..palette import MEASURED, MOTOR, MUTED, SPRING_NEGATIVE, SPRING_POSITIVE, SPRING_ZERO
 from .frame_data import FrameData
 from .options import RenderOptions
@@ -52,13 +53,14 @@ class HeadUp:
 def fields(shown: FrameData, sample: int) -> list[str]:
     """What is said of a sample, in parts: run, time, cycle, torque, tracking."""
     reduction, best = shown.reduction[sample], shown.best[sample]
+    what = f"motor {shown.cost}" if shown.cost == KINDS["torque-squared"].name else shown.cost
     found = "     –  " if np.isnan(reduction) else f"{-100 * reduction:+6.1f} %"
     return [
         shown.label,
         f"{shown.time[sample]:6.2f} s",
         f"cycle {shown.cycle[sample]:>3d}",
         # A minus as wide as a plus, so that lines stand still.
-        f"motor torque² {found} (best {-100 * best:+.1f} %)".replace("-", "−"),
+        f"{what} {found} (best {-100 * best:+.1f} %)".replace("-", "−"),
         f"tracking error {1e3 * shown.error(sample):6.2f} mm",
     ]
 

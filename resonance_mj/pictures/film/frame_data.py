@@ -11,6 +11,7 @@ import numpy as np
 from ...errors import PictureError
 from ...experiments.sections import Robot
 from ...springs import spring as springs
+from ...springs.cost import KINDS
 
 if TYPE_CHECKING:
     from ...experiments.experiment import Experiment
@@ -43,7 +44,8 @@ class FrameData:
         center: q_c (N, n) [rad].
         tau: torque of the motors (N, n) [N m].
         elastic: torque of elements besides the joints' springs (N, n) [N m].
-        reduction: torque² less than without springs in the last whole cycle that tracks; NaN
+        cost: what the springs leave the least of.
+        reduction: cost less than without springs in the last whole cycle that tracks; NaN
             before the motion has one (N,).
         best: the same with optimal springs (N,).
     """
@@ -65,6 +67,7 @@ class FrameData:
     center: np.ndarray
     tau: np.ndarray
     elastic: np.ndarray
+    cost: str
     reduction: np.ndarray
     best: np.ndarray
 
@@ -201,15 +204,14 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
     longest = float(data["period"].max())
     part = data.sel(time=slice(wanted[0] - longest, wanted[-1] + longest))
     time, cycle = part["time"].values, part["cycle_of_sample"].values
-    position = [i for i, axis in enumerate(part["axis"].values) if axis in ("x", "y", "z")]
+    position = [i for i, axis in enumerate(part["axis"].values) if axis in "xyz"]
     segment = part["segment_of_sample"].values - 1
-    tracks = np.concatenate([motion.tracks for motion in run.motions])
-    found = np.where(tracks, data["torque_reduction"].values, np.nan)
-    reduction = np.concatenate([[np.nan], found])
+    found = (np.where(one.tracks, one.reduction, np.nan) for one in run.motions)
+    reduction = np.concatenate([[np.nan], *found])
     # A cycle of the motion before says nothing beside this one's optimum.
     of = np.concatenate([[0], data["segment_of_cycle"].values])
     last = np.clip(cycle - 1, 0, len(reduction) - 1)
-    best = np.array([motion.torque_reduction_optimal for motion in run.motions])
+    best = np.array([motion.reduction_optimal for motion in run.motions])
     return FrameData(
         label=label,
         robot=run.experiment.robot,
@@ -226,6 +228,7 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         elastic=run.elastic_torque(cycle, part["q"].values),
         reduction=np.where(of[last] == segment + 1, reduction[last], np.nan),
         best=best[segment],
+        cost=run.cost.name,
     )
 
 
@@ -255,7 +258,8 @@ def planned(one: Plan, cycle: int) -> FrameData:
         tau=none[3],
         elastic=none[4],
         reduction=np.full(steps, np.nan),
-        best=np.full(steps, one.optima[segment].torque_reduction),
+        best=np.full(steps, one.optima[segment].reduction),
+        cost=KINDS[one.experiment.springs.cost].name,
     )
 
 

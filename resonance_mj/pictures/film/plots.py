@@ -80,7 +80,7 @@ def _plots(figure: Figure, run: Run, width: int, height: int, size: float) -> li
     each = (1 - 0.8 * size / width - share) / columns
     tall = (1 - 0.9 * line) / rows
     ax = figure.add_axes((gap, 1.9 * line, share - gap - 0.02, 1 - 3.1 * line))
-    measured = _torque_squared(ax, run, roomy=(share - gap) * width > 26 * size)
+    measured = _cost(ax, run, roomy=(share - gap) * width > 26 * size)
     for j in range(joints):
         row, column = divmod(j, columns)
         bottom = 1 - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
@@ -91,18 +91,18 @@ def _plots(figure: Figure, run: Run, width: int, height: int, size: float) -> li
     return measured
 
 
-def _torque_squared(ax: Axes, run: Run, roomy: bool) -> list[Line2D]:
+def _cost(ax: Axes, run: Run, roomy: bool) -> list[Line2D]:
     data = run.data
     starts, stops = data["start"].values, data["end"].values
-    without = data["torque_squared_without_springs"].values
-    best = data["torque_squared_optimal"].values
+    without = [motion.cost_without_springs for motion in run.motions]
+    best = [motion.cost_optimal for motion in run.motions]
     ax.hlines(without, starts, stops, color=MUTED, linestyle=":")
     ax.hlines(best, starts, stops, color=OPTIMAL, linestyle="--")
     time = cycle_ends(run.experiment)[: data.sizes["cycle"]]
-    squared = data["torque_squared"].values
-    measured = ax.plot(time, squared, color=MEASURED, linewidth=2, marker="o", markersize=3)
+    cost = np.concatenate([motion.cost for motion in run.motions])
+    measured = ax.plot(time, cost, color=MEASURED, linewidth=2, marker="o", markersize=3)
     ax.set_yscale("log")
-    ax.set_title("motor torque² [N² m²]")
+    ax.set_title(f"{'motor ' * (run.cost.name == 'torque²')}{run.cost.name} [{run.cost.unit}]")
     if roomy:
         # What the lines are, in their colours, at the right of the title.
         for at, text, colour in ((-8.2, "- - optimum", OPTIMAL), (0, "··· no springs", MUTED)):

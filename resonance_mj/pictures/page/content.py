@@ -45,6 +45,7 @@ class Motion:
         last: as in summary.json, and equilibrium and equilibrium_optimal (n,) [rad] besides: where
             the springs are at rest; NaN for a joint that has none.
         tracks: whether the tool follows its path in the last whole cycle.
+        what: the springs leave the least of.
     """
 
     number: int
@@ -52,11 +53,12 @@ class Motion:
     of: int
     last: dict[str, Any]
     tracks: bool
+    what: str
 
     @property
     def against(self) -> tuple[str, str]:
         """Torque² against that without springs: how much, and whether less, more or times it."""
-        share = self.last["torque_reduction"]
+        share = self.last["reduction"]
         if share is None:
             return NOTHING, ""
         if share > -9.995:
@@ -66,7 +68,7 @@ class Motion:
     @property
     def reached(self) -> str:
         """First cycle at the optimum; without a whole cycle, or an optimum, none can be told."""
-        best = self.last["torque_reduction_optimal"]
+        best = self.last["reduction_optimal"]
         if not self.last["cycles"] or best is None or best > 1 - LEAST_REDUCTION:
             return NOTHING
         return str(self.last["cycles_to_optimum"] or "never")
@@ -113,7 +115,12 @@ class Content:
             about = f"{asked.shape}, {asked.cycles} cycles of {duration(asked.period)}"
             carried = f", payload {asked.payload:g} kg" if asked.payload else ""
             tracks = bool(motion.tracks[-1:].any())
-            found.append(Motion(motion.number, about + carried, asked.cycles, last, tracks))
+            # What the page speaks of is the cost that was asked for.
+            last["reduction"] = last.get("cost_reduction", last["torque_reduction"])
+            best = last.get("cost_reduction_optimal", last["torque_reduction_optimal"])
+            last["reduction_optimal"] = best
+            what = f"{'motor ' * (motion.kind == 'torque-squared')}{self.run.cost.name}"
+            found.append(Motion(motion.number, about + carried, asked.cycles, last, tracks, what))
         return found
 
     @cached_property
@@ -194,9 +201,9 @@ class Content:
                 said += f"The tool is {off} RMS off its path{where}: its torque is of another one. "
                 continue
             needed.append(
-                (f"{much} {kind} torque²" if kind else "torque where none is due") + where
+                (f"{much} {kind} {run.cost.name}" if kind else "torque where none is due") + where
             )
-            best.append(percent(each.last["torque_reduction_optimal"]) if kind else "nothing")
+            best.append(percent(each.last["reduction_optimal"]) if kind else "nothing")
         error = [length(each.last["tracking_rms"]) for each in done if each.tracks]
         if not error:
             return said.rstrip()
@@ -211,7 +218,7 @@ def best(contents: Sequence[Content]) -> str:
     """Which run saves the most motor torque in each motion, in a sentence."""
     found: dict[str, list[str]] = {}
     for motions in zip(*(each.motions for each in contents), strict=False):
-        shares = [motion.last["torque_reduction"] for motion in motions]
+        shares = [motion.last["reduction"] for motion in motions]
         if None not in shares and all(motion.tracks for motion in motions):
             leader = max(range(len(shares)), key=shares.__getitem__)
             place = f"{percent(shares[leader])} in motion {motions[0].number}"
@@ -219,7 +226,8 @@ def best(contents: Sequence[Content]) -> str:
     if not found:
         return f"{len(contents)} runs, which have no reduction of torque in common to compare."
     said = "; ".join(f"{leader}, {joined(where)}" for leader, where in found.items())
-    return f"The greatest reduction of motor torque² against no springs: {said}."
+    what = joined(list(dict.fromkeys(one.motions[0].what for one in contents)))
+    return f"The greatest reduction of {what} against no springs: {said}."
 
 
 def differences(runs: Sequence[Run]) -> dict[str, list[str]]:

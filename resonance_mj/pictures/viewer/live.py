@@ -122,10 +122,11 @@ class Watched(Alone):
         scales = self._scale, expected(plan, motion), frame_data.scale([self._shown])
         self._scale = Scale(*np.max(scales, axis=0))
         if motion == plan.schedule[self._cycle - 1]:
-            without = plan.optima[motion].torque_squared_without_springs
+            best = plan.optima[motion]
             off = np.sqrt(((before.x - before.x_desired) ** 2).sum(axis=1).mean())
             if tracks(off, np.ptp(before.x_desired, axis=0).max()):
-                now.reduction[:] = reduction((before.tau**2).sum(axis=1).mean(), without)
+                cost = best.rate(before.tau), best.rate(best.torque_without_springs)
+                now.reduction[:] = reduction(*cost)
         self._shown, self._begin, self._filled = joined([before, now]), len(before.time), 0
 
 

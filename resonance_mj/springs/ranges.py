@@ -1,0 +1,96 @@
+"""Between which stiffnesses the best springs may lie, and cost hardly more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from .bounds import JointBounds
+from .fit import LinearSprings, fit, reach
+from .spring import STILL
+
+if TYPE_CHECKING:
+    from .optimum import Optimum
+
+SEARCHES, LARGEST = 12, 1e9
+"""Halvings of the interval in which the end of a range is looked for, and how far away at most
+[N m/rad]."""
+
+
+def stiffness_range(best: Optimum, rise: float) -> np.ndarray:
+    """`Optimum.stiffness_range`: in closed form of torque², and else by search."""
+    if best.bounds.objective is not None:
+        return _searched(best, rise * best.rate(best.torque_without_springs))
+    mean = best.q.mean(axis=0)
+    low, high = reach(best.bounds, mean)
+    others = best.springs.others
+    needed = best.torque_without_springs
+    needed = needed - others.torque(best.q) if others.elements else needed
+    z, level = best.q - mean, needed.mean(axis=0)
+    rest = needed - level
+    allowed = rise * best.torque_squared_without_springs
+    most = (best.torque**2).mean(axis=0) + allowed
+    bounds = [np.broadcast_to(end, level.shape) for end in best.bounds.stiffness]
+    ends = np.stack(bounds, axis=1)
+    squared, both, alone = (z**2).mean(axis=0), (z * rest).mean(axis=0), (rest**2).mean(axis=0)
+    for j in np.flatnonzero(squared > STILL):
+
+        def beyond(k: float, j: int = int(j)) -> float:
+            """How far torque² is above the most with a stiffness and its best offset."""
+            bounded = np.isfinite(low[j]) and np.isfinite(high[j])
+            reachable = (k * low[j], k * high[j]) if bounded else (-np.inf, np.inf)
+            miss = min(max(level[j], reachable[0]), reachable[1]) - level[j]
+            return float(squared[j] * k**2 + 2 * both[j] * k + alone[j] + miss**2 - most[j])
+
+        # It exceeds that of the best k* by var(q) (k - k*)² at least.
+        at, furthest = best.stiffness[j], np.sqrt(allowed / squared[j])
+        for side, bound in enumerate(ends[j]):
+            end = bound
+            if abs(bound - at) > furthest:
+                end = at + (2 * side - 1) * 1.001 * furthest
+            if beyond(end) > 0:
+                ends[j, side] = _crossing(beyond, at, end)
+    return ends
+
+
+def _searched(best: Optimum, allowed: float) -> np.ndarray:
+    bounds, n = cast("JointBounds", best.bounds), best.q.shape[1]
+    most = best.rate(best.torque) + allowed
+    ends = np.stack([np.broadcast_to(end, n) for end in bounds.stiffness], axis=1)
+    needed = best.torque + LinearSprings(*best.springs).torque(best.q)
+    for j in np.flatnonzero(best.q.var(axis=0) > STILL):
+
+        def beyond(k: float, j: int = int(j)) -> float:
+            """How far the cost is above the most with a stiffness and its best offset."""
+            given = [np.broadcast_to(end, n).copy() for end in bounds.stiffness]
+            given[0][j] = given[1][j] = k
+            within = bounds._replace(stiffness=(given[0], given[1]), elements=())
+            others = np.arange(n) != j
+            for end in within.stiffness:
+                end[others] = best.stiffness[others]
+            spring = fit(best.q, needed, within, best.center, best.dq)
+            left = best.torque.copy()
+            left[:, j] = (needed - spring.torque(best.q))[:, j]
+            return best.rate(left) - most
+
+        at = float(best.stiffness[j])
+        for side, bound in enumerate(ends[j]):
+            end, step = at, max(abs(at), 1e-3) / 8
+            while end != bound and beyond(end) <= 0 and step < LARGEST:
+                away = at + (2 * side - 1) * step
+                end, step = float(np.clip(away, *ends[j])), 2 * step
+            outside = beyond(end) > 0
+            ends[j, side] = _crossing(beyond, at, end, SEARCHES) if outside else bound
+    return ends
+
+
+def _crossing(
+    beyond: Callable[[float], float], inside: float, outside: float, times: int = 60
+) -> float:
+    """Where an increasing function passes zero between two points, to rounding."""
+    for _ in range(times):
+        middle = (inside + outside) / 2
+        inside, outside = (inside, middle) if beyond(middle) > 0 else (middle, outside)
+    return inside
