@@ -57,6 +57,8 @@ def test_the_summary_has_the_documented_keys_and_agrees_with_the_run(finished):
         "torque_squared", "torque_squared_without_springs", "torque_squared_optimal",
         "tracking_rms", "stiffness", "stiffness_optimal", "offset", "offset_optimal",
         "cycles_to_optimum",
+        *(f"{name}{of}" for name in ("electrical_power", "electrical_energy", "peak_torque")
+          for of in ("", "_optimal", "_without_springs")),
     }  # fmt: skip
     assert [segment["cycles"] for segment in summary["segments"]] == [2, 3]
     run = rmj.Run.load(folder / "runs" / "paper")

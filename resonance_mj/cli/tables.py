@@ -93,10 +93,10 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     row("mean torque² [N² m²]", "torque_squared", 1, 2)
     row("  without springs", "torque_squared_without_springs", 1, 2)
     if run.experiment.motors != Motors():
-        row("electrical power [W]", "electrical_power", 1, 2)
-        row("  without springs", "electrical_power_without_springs", 1, 2)
-        row("peak, of rated torque", "peak_torque", 1, 3)
-        row("  without springs", "peak_torque_without_springs", 1, 3)
+        for kind, name in (("energy", "electrical_power"), ("peak", "peak_torque")):
+            if run.experiment.springs.cost != kind:
+                row(f"{KINDS[kind].name} [{KINDS[kind].unit}]", name, 1, 3)
+                row("  without springs", f"{name}_without_springs", 1, 3)
     names, slides = run.data["joint"].values, run.data["slides"].values
     for place, figure in enumerate(("stiffness", "offset", "equilibrium")):
         for j, name in enumerate(names):

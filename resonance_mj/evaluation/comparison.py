@@ -167,9 +167,9 @@ class Comparison:
 
         law, title, motion, share (of the possible reduction), reduction and reduction_optimal of
         the cost, torque_reduction, torque_reduction_optimal, cycles_to_optimum, tracking_rms [m],
-        peak_torque (the highest of any joint) [N m], energy (the sum over joints of ∫|τ q̇| dt, without recuperation) [J],
-        status, and long_run in the last motion's. None for what a run that diverged did not reach,
-        and for a share of nothing.
+        peak_torque (the highest of any joint) [N m], energy (the sum over joints of ∫|τ q̇| dt,
+        without recuperation) [J], status, and long_run in the last motion's. None for what a run
+        that diverged did not reach, and for a share of nothing.
         """
         return [
             finite(self._row(name, motion))

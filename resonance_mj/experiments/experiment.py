@@ -170,6 +170,7 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "springs": Springs,
     "springs.joint.NAME": JointSpring,
     "springs.element": Element,
+    "motors": Motors,
     "reality": Reality,
     "expect": Expect,
     "expect.stiffness": Expected,

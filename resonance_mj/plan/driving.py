@@ -14,6 +14,9 @@ from ..text import Note
 HEAT = 100.0
 """Heat in the windings at the rated torque of a motor whose constant is not given [W]."""
 
+LEAST = 1e-3
+"""Least rated torque of a motor of which nothing is known, of the largest."""
+
 
 def drives(
     experiment: Experiment, robot: Robot, needed: Callable[[int], np.ndarray], notes: list[str]
@@ -33,7 +36,9 @@ def drives(
         rated = np.broadcast_to(given.rated_torque, n)
     elif not np.isfinite(rated).all():
         every = [np.abs(needed(index)).max(axis=0) for index in range(len(experiment.motion))]
-        rated = np.where(np.isfinite(rated), rated, np.max(every, axis=0) + np.finfo(float).tiny)
+        peak = np.max(every, axis=0)
+        # A joint that needs next to nothing has a motor all the same.
+        rated = np.where(np.isfinite(rated), rated, np.maximum(peak, LEAST * (peak.max() or 1.0)))
     ratio = np.broadcast_to(given.gear_ratio, n)
     k_m = rated / ratio / np.sqrt(HEAT) if given.k_m is None else np.broadcast_to(given.k_m, n)
     if given.k_m is None:

@@ -221,17 +221,17 @@ _PER_MOTION = (
 )
 
 
-def motions(data: xr.Dataset) -> tuple[MotionOfRun, ...]:
+def motions(data: xr.Dataset, kind: str) -> tuple[MotionOfRun, ...]:
     """The motions of a run, in order.
 
     Args:
         data: `Run.data`.
+        kind: what the springs leave the least of, by the words of `springs.cost`.
     """
     of_cycle = data["segment_of_cycle"].values
     found = []
     for row, number in enumerate(data["segment"].values.tolist()):
         cycles = of_cycle == number
-        kind = data.attrs.get("cost", "torque-squared")
         source = "torque_squared" if kind == "torque-squared" else "cost"
         rotation = data["rotation_rms"].values[cycles] if "rotation_rms" in data else None
         names = data["parameter"].values.tolist() if "parameter" in data else []

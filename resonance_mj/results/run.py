@@ -98,7 +98,7 @@ class Run:
     @cached_property
     def motions(self) -> tuple[MotionOfRun, ...]:
         """The motions of the run, each with its cycles, its optimum and its samples."""
-        return motions(self.data)
+        return motions(self.data, self.experiment.springs.cost)
 
     @property
     def cost(self) -> Kind:
@@ -192,7 +192,9 @@ class Run:
                 "versions": self.versions,
                 "steps": self.steps,
                 "simulation_wall_s": self.simulation_wall_s,
-                "segments": [motion.summary() for motion in motions(self.data)],
+                "segments": [
+                    motion.summary() for motion in motions(self.data, self.experiment.springs.cost)
+                ],
             }
         )
 

@@ -118,7 +118,6 @@ def dataset(
     *,
     units: Mapping[str, str] | None = None,
     thinned: bool,
-    cost: str = "torque-squared",
 ) -> xr.Dataset:
     """The dataset of a run, built at once.
 
@@ -126,7 +125,6 @@ def dataset(
         values: by the names of `COORDINATES` and `VARIABLES`, all but what `OPTIONAL` allows.
         units: of variables in which they differ from the table.
         thinned: whether only some cycles' samples are among them.
-        cost: what the springs leave the least of.
     """
     mixed = bool(np.any(values["slides"]))
 
@@ -142,7 +140,7 @@ def dataset(
     return xr.Dataset(
         {name: entry(name, about) for name, about in VARIABLES.items() if name in names},
         {name: entry(name, about) for name, about in COORDINATES.items() if name in names},
-        {"thinned": int(thinned), "cost": cost},
+        {"thinned": int(thinned)},
     )
 
 
@@ -151,6 +149,21 @@ def with_checkpoint(data: xr.Dataset, state: np.ndarray) -> xr.Dataset:
     about = VARIABLES["checkpoint"]
     entry = about.dims, state, {"units": about.units, "long_name": about.meaning}
     return data.assign(checkpoint=entry)
+
+
+def check_cost(data: xr.Dataset, kind: str) -> None:
+    """See that a dataset has the cost that its experiment asks for, by `springs.cost`.
+
+    Raises:
+        OutputError: it has not, or has one that was not asked for.
+    """
+    asked = kind != "torque-squared"
+    for name in COST:
+        if (name in data) != asked:
+            raise OutputError(
+                f"variable {name} is {'missing' if asked else 'of no such run'}: its experiment "
+                f"has springs.cost = {kind!r}"
+            )
 
 
 def check(data: xr.Dataset) -> None:

@@ -64,6 +64,7 @@ def load(folder: str | os.PathLike[str]) -> dict[str, Any]:
                 about, data = _about(hdf5), _variables(hdf5, size)
         schema.check(data)
         experiment = validated(Experiment, tomllib.loads(about.experiment), "its experiment")
+        schema.check_cost(data, experiment.springs.cost)
     except (FileNotFoundError, NotADirectoryError):
         raise OutputError(f"{folder}: holds no run: there is no {path.name} in it") from None
     except OutputError as error:

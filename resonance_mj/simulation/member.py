@@ -172,7 +172,7 @@ class Member:
         if self.status is Status.INTERRUPTED and isinstance(self._stepper, Alone):
             state = packed(self._stepper.whole(), self._others.parameters, self._tuning)
             data = schema.with_checkpoint(data, state)
-        ended = ending(self.plan, motions(data), hindered)
+        ended = ending(self.plan, motions(data, self.plan.experiment.springs.cost), hindered)
         status, message = self.status, self._message
         if status is Status.OK:
             status, message = ended.status, ended.message

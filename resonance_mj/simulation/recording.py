@@ -280,7 +280,6 @@ class Recording:
             },
             units={"y": "m^2/s"} if transposed else None,
             thinned=len(self._kept) < len(self._segment),
-            cost=plan.experiment.springs.cost,
         )
 
 

@@ -68,7 +68,8 @@ class Outcome:
             message=summary["message"],
             joints=[str(name) for name in data["joint"].values],
             motions=[
-                {name: one.get(name) for name in (*FIGURES, *PER_JOINT)} for one in summary["segments"]
+                {name: one.get(name) for name in (*FIGURES, *PER_JOINT)}
+                for one in summary["segments"]
             ],
             cycles={name: finite(data[name].values.tolist()) for name in PER_CYCLE},
             diverges=diverges,

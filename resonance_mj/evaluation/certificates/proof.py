@@ -18,7 +18,7 @@ from ...plan.plan import Plan
 from ...results.cycles import Cycle
 from ...springs import spring
 from ...springs.bounds import Bounds
-from ...springs.cost import velocity
+from ...springs.cost import Cost, velocity
 from ...springs.elements import Elements
 from ...springs.fit import LinearSprings, asked_for, feasible
 from ...springs.optimum import Optimum
@@ -43,7 +43,8 @@ def transferred(now: Cycle, then: Cycle, plan: Plan) -> tuple[np.ndarray, np.nda
     after = then.u + begins.torque(now.q)
     period = len(now.q) * plan.experiment.simulation.timestep
     dq = velocity(learning.low_pass(now.q, plan.gains.harmonics), period)
-    left = untaken(then.u, now.q, begins, plan.gains.bounds, dq, before)
+    bounds = plan.gains.bounds
+    left = untaken(pull(then.u, dq, before, bounds.objective), now.q, begins, bounds)
     return share(after - before, before), share(left, v)
 
 
@@ -55,40 +56,47 @@ def elements(cycle: Cycle, plan: Plan) -> Elements:
 def optimal(best: Optimum, bounds: Bounds) -> np.ndarray:
     """(12), and with bounds what takes its place: the best springs take no more of τ_dopt (n,)."""
     whole = best.torque_without_springs
-    left = untaken(best.torque, best.q, best.springs, bounds, best.dq, whole)
+    pulls = pull(best.torque, best.dq, whole, bounds.objective)
+    left = untaken(pulls, best.q, best.springs, bounds)
     return share(left, best.torque_without_springs)
 
 
-def untaken(
-    torque: np.ndarray,
-    q: np.ndarray,
-    acting: LinearSprings,
-    bounds: Bounds,
-    dq: np.ndarray,
-    whole: np.ndarray,
+def pull(
+    torque: np.ndarray, dq: np.ndarray, whole: np.ndarray, objective: Cost | None
 ) -> np.ndarray:
+    """What pulls at the springs in the place of the motors' torque (N, n) [N m].
+
+    That torque itself, or of a cost of power its slope by the torque over its mean curvature.
+
+    Args:
+        torque: of the motors (N, n) [N m].
+        dq: joint velocities (N, n) [rad/s].
+        whole: torque of motors and springs together (N, n) [N m].
+        objective: what is to be least; None for torque².
+    """
+    if objective is None:
+        return torque
+    usual = np.sqrt((whole**2).mean(axis=0)) + np.finfo(float).tiny
+    _, slope, curvature = objective.smooth(torque, dq, usual)
+    return np.asarray(slope / curvature.mean(axis=0))
+
+
+def untaken(torque: np.ndarray, q: np.ndarray, acting: LinearSprings, bounds: Bounds) -> np.ndarray:
     """Torque that would go from the motors to the springs if these were moved to the best feasible.
 
     It vanishes where the projected gradient of ∫τ² dt does, and is found from this torque alone, so
     that it does not repeat what the springs were found by. Where no bound is active it is zero if
-    ∫τ (q - c) dt = 0 for every constant c; where one is, by the variational inequality. Of a cost
-    of power, its slope by τ stands in the place of τ.
+    ∫τ (q - c) dt = 0 for every constant c; where one is, by the variational inequality.
 
     Args:
-        torque: of the motors over a cycle (N, n) [N m].
+        torque: of the motors over a cycle, or the `pull` of another cost (N, n) [N m].
         q: joint angles over it (N, n) [rad].
         acting: the springs that act meanwhile.
-        bounds: of the springs, and what they leave the least of.
-        dq: joint velocities over it (N, n) [rad/s].
-        whole: torque of motors and springs together (N, n) [N m].
+        bounds: of the springs.
 
     Returns:
         Torque (N, n) [N m].
     """
-    if bounds.objective is not None:
-        usual = np.sqrt((whole**2).mean(axis=0)) + np.finfo(float).tiny
-        _, slope, curvature = bounds.objective.smooth(torque, dq, usual)
-        torque = slope / curvature.mean(axis=0)
     step = asked_for(q, torque)
     here = acting.about(step.center)
     wanted = LinearSprings(here.stiffness + step.stiffness, here.offset + step.offset, step.center)
