@@ -81,8 +81,10 @@ class Plan:
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
             within = [np.asarray(part).tobytes() for part in (center, *bounds.stiffness)]
             springs = "springs", *load, *within, repr((experiment.springs, bounds.objective))
-            how = {"center": center, "period": motion.period, "bounds": bounds}
-            found.append(self._shared(springs, partial(best_springs, q, torque, **how)))
+            work = partial(
+                best_springs, q, torque, center=center, period=motion.period, bounds=bounds
+            )
+            found.append(self._shared(springs, work))
         return found
 
     @cached_property
@@ -179,8 +181,8 @@ class Plan:
 
     def needed(self, index: int) -> np.ndarray:
         """Torque that a motion needs, of motors and springs together (N, n) [N m]."""
-        work = partial(self.loaded[index].torque, self.joints[index])
-        return self._shared(self._load(index), work)
+        torque = self.loaded[index].torque
+        return self._shared(self._load(index), partial(torque, self.joints[index]))
 
     def _load(self, index: int) -> tuple[object, ...]:
         """What the torque that a motion needs depends on besides the joint motion."""
@@ -272,9 +274,8 @@ def plan_for(
     if left is not None:
         experiment = without_passage(experiment, left.motion)
     by_payload = {0.0: unloaded}
-    for motion in experiment.motion:
-        if motion.payload not in by_payload:
-            by_payload[motion.payload] = Kinematics(robot.carrying(motion.payload))
+    for payload in {motion.payload for motion in experiment.motion} - {0.0}:
+        by_payload[payload] = Kinematics(robot.carrying(payload))
     plan = Plan(
         experiment=experiment,
         robot=robot,

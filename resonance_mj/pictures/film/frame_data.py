@@ -265,11 +265,9 @@ def planned(one: Plan, cycle: int) -> FrameData:
 
 def cycle_ends(experiment: Experiment) -> np.ndarray:
     """When each cycle of an experiment ends (C,) [s]."""
-    parts, begin = [], 0.0
-    for motion in experiment.motion:
-        parts.append(begin + motion.period * np.arange(1, motion.cycles + 1))
-        begin += motion.duration
-    return np.concatenate(parts)
+    begins = np.cumsum([0.0, *(motion.duration for motion in experiment.motion)])
+    each = zip(begins, experiment.motion, strict=False)
+    return np.concatenate([begin + one.period * np.arange(1, one.cycles + 1) for begin, one in each])
 
 
 def _seconds(value: float | str, name: str, cycles: np.ndarray) -> float:
