@@ -163,16 +163,6 @@ class Plan:
         """
         return passages(self)
 
-    @property
-    def fits_with(self) -> tuple[object, ...]:
-        """Equal for experiments that one batch can step together."""
-        robot, motion = self.experiment.robot, self.experiment.motion
-        arm = robot.mjcf, robot.tool, robot.arm, robot.joints, self.robot.payload
-        how = self.experiment.simulation.integrator, self.law.command, self.layout
-        cycles = tuple((one.blend, self.steps(i)) for i, one in enumerate(motion))
-        of = self.experiment.springs.element, self.experiment.task
-        return (*arm, *of, *how, cycles, tuple(self.schedule))
-
     def refuse_unstable(self) -> None:
         """Raise a StabilityError if something will diverge."""
         if self.unstable:
@@ -223,8 +213,8 @@ class Plan:
         for index, motion in enumerate(experiment.motion):
             samples = motions.sample(motion, self.steps(index), self.robot)
             name = f"experiment {experiment.name!r}: motion.{index}"
-            follow, rate = self.kinematics.follow, self.gains.alpha_0
-            found.append(follow(samples, start, motion.period, name, rate))
+            how = start, motion.period, name, self.gains.alpha_0
+            found.append(self.kinematics.follow(samples, *how))
             start = found[-1].q[-1]
         return found
 

@@ -171,7 +171,7 @@ def simulate_together(
     """Simulate plans, those that fit together in one `mujoco.batch`; see `simulate_many`."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, plan in enumerate(plans):
-        groups.setdefault(plan.fits_with, []).append(index)
+        groups.setdefault(_fits_with(plan), []).append(index)
     total = sum(len(plan.schedule) for plan in plans)
     done = 0
 
@@ -259,3 +259,13 @@ def simulate_plans(
                     members[i].interrupt(cycle)
                 break
     return [member.run(wall) for member in members]
+
+
+def _fits_with(plan: Plan) -> tuple[object, ...]:
+    """Equal for experiments that one batch can step together."""
+    robot, motion = plan.experiment.robot, plan.experiment.motion
+    arm = robot.mjcf, robot.tool, robot.arm, robot.joints, plan.robot.payload
+    how = plan.experiment.simulation.integrator, plan.law.command, plan.layout
+    cycles = tuple((one.blend, plan.steps(i)) for i, one in enumerate(motion))
+    of = plan.experiment.springs.element, plan.experiment.task
+    return (*arm, *of, *how, cycles, tuple(plan.schedule))

@@ -267,7 +267,9 @@ def cycle_ends(experiment: Experiment) -> np.ndarray:
     """When each cycle of an experiment ends (C,) [s]."""
     begins = np.cumsum([0.0, *(motion.duration for motion in experiment.motion)])
     each = zip(begins, experiment.motion, strict=False)
-    return np.concatenate([begin + one.period * np.arange(1, one.cycles + 1) for begin, one in each])
+    return np.concatenate(
+        [begin + one.period * np.arange(1, one.cycles + 1) for begin, one in each]
+    )
 
 
 def _seconds(value: float | str, name: str, cycles: np.ndarray) -> float:
