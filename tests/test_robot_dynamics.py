@@ -8,7 +8,8 @@ import two_link
 import resonance_mj as rmj
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.plan.plan import plan_for
-from resonance_mj.robots.robot import INTEGRATORS, build
+from resonance_mj.robots.options import INTEGRATORS
+from resonance_mj.robots.robot import build
 
 MOTIONS = (two_link.first_motion, two_link.second_motion)
 

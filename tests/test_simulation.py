@@ -18,7 +18,7 @@ import xarray as xr
 from scipy.integrate import simpson, solve_ivp
 
 import resonance_mj as rmj
-from resonance_mj.robots.robot import INTEGRATORS
+from resonance_mj.robots.options import INTEGRATORS
 
 HOME = np.array([4.00114, -2.00057])
 

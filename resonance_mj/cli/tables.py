@@ -114,6 +114,8 @@ def _summary(run: Run, motions: Sequence[MotionOfRun]) -> Table:
     alone("tracking RMS [mm]", [_small(one["tracking_rms"]) for one in found])
     if "rotation_rms" in run.data:
         alone("rotation RMS [mrad]", [_small(one["rotation_rms"]) for one in found])
+    if "joint_rms" in run.data:
+        alone("joints' RMS [mrad]", [_small(one["joint_rms"]) for one in found])
     alone("first cycle at the optimum", [reached(motion) for motion in motions])
     alone("the last cycle is", [_verdict(motion) for motion in motions])
     return drawn

@@ -60,6 +60,10 @@ def _reasons(
             for name in ("k_v", "k_p"):
                 yield f"law.{name}", f"the task leaves joints free, which {kind} feeds back too"
         by_hand = by_hand and bool(square)
+    if experiment.task.space == "joint" and not own:
+        for name in ("k_v", "k_p", "jacobian", "velocity", "alpha_0"):
+            yield f"law.{name}", "task.space = 'joint': the law acts on the joints' own errors"
+        by_hand = False
     if by_hand and (not learns or law.beta is not None):
         yield "law.omega", "the feedback is given by law.k_v and law.k_p"
     unused = by_hand and not learns

@@ -47,9 +47,9 @@ class Motion(Section):
     size: tuple[Finite, Finite] | None = None
     """Half of the shape's two sizes in its plane [m], for a polygon the half axes of the ellipse
     through its corners; the largest that the arm follows with margin if not given."""
-    plane: tuple[Literal["x", "y", "z"], Literal["x", "y", "z"]] | None = None
-    """The two coordinates in which an ellipse, line, eight or polygon lies; the first and the last
-    of the task's positions if not given."""
+    plane: tuple[Name, Name] | None = None
+    """The two coordinates in which an ellipse, line, eight or polygon lies, of x, y and z, or the
+    names of two joints; the first and the last of the task's positions, or joints, if not given."""
     corners: Annotated[int, Field(ge=3, le=1000)] | None = None
     """Number of corners of a polygon, the first on the plane's first coordinate; 4 if not given."""
     rounding: Annotated[float, Field(gt=1e-6, le=1)] | None = None

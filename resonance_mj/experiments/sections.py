@@ -120,11 +120,14 @@ class Robot(Section):
 
 
 class Task(Section):
-    """What of the tool's pose is controlled."""
+    """What is controlled: of the tool's pose, or the joints."""
 
+    space: Literal["tool", "joint"] = "tool"
+    """tool: motions are the tool's, and the law knows no inverse kinematics; joint: motions are the
+    joints', in radians, a number or column per joint where the tool's have one per coordinate."""
     coordinates: Annotated[tuple[Literal["x", "y", "z", "rotation"], ...], Alone] | None = None
     """Of the tool in the world frame: any of x, y, z, and rotation; the positions that the arm
-    controls if not given."""
+    controls if not given. Of a task of the joints, what is recorded of the tool."""
 
     @field_validator("coordinates")
     @classmethod

@@ -52,7 +52,7 @@ def act(
         tool: position of the tool (3,) [m].
         orientation: of the tool (3, 3).
         ctrl: mjData.ctrl, written.
-        command: sets y and τ: `standard`, `joint_space`, or a custom law's.
+        command: sets y and τ: `standard`, `joint_task`, `joint_space`, or a custom law's.
     """
     own = views(memory)
     row = record(memory, own.n, own.m, own.step)
@@ -169,6 +169,13 @@ def standard(memory: np.ndarray) -> None:
             own.J, own.rate, own.alpha, own.s, own.drift, own.usual, own.work, own.y
         )
     equations.motor_torque(own.J, own.k_v, own.k_p, own.rate, own.s, own.learned, own.tau)
+    feed_back(memory)
+
+
+@step_function
+def feed_back(memory: np.ndarray) -> None:
+    """Take the inertial feedback of y off the motor torque, filtered where y is noisy."""
+    own = views(memory)
     if own.inertial and own.filtered == 0.0:
         equations.inertial_feedback(own.feedback, own.y, own.tau)
     elif own.inertial:
@@ -176,6 +183,20 @@ def standard(memory: np.ndarray) -> None:
             own.slow[j] += own.filtered * (own.y[j] - own.slow[j])
             own.slower[j] += own.filtered * (own.slow[j] - own.slower[j])
         equations.inertial_feedback(own.feedback, own.slower, own.tau)
+
+
+@step_function
+def joint_task(memory: np.ndarray) -> None:
+    """Of a task of the joints, y = Δq̇ + α s(Δq) in place of (8), and motor torque τ."""
+    own = views(memory)
+    error, s = own.q, own.drift
+    for j in range(own.n):
+        error[j] = own.angle[j] - own.q_desired[j]
+    equations.saturation(error, s)
+    for j in range(own.n):
+        own.y[j] = own.speed[j] - own.dq_desired[j] + own.alpha * s[j]
+        own.tau[j] = own.learned[j]
+    feed_back(memory)
 
 
 @step_function

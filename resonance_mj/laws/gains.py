@@ -90,7 +90,7 @@ def gains(
     n, m = robot.n, robot.m
     M = np.mean([kinematics.inertia(q) for q in middles], axis=0) if middles else robot.inertia
     dt = experiment.simulation.timestep
-    by_hand = law.k_v is not None or law.k_p is not None
+    by_hand = not robot.joint_space and (law.k_v is not None or law.k_p is not None)
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
     own = gravity_rate(kinematics)
     usual, fastest = PRINTED if law.printed else (BANDWIDTH, FASTEST)
@@ -99,7 +99,8 @@ def gains(
     omega = min(max(usual, 3 * own), fastest / dt, slower) if law.omega is None else law.omega
     rate = min(max(POSITION, own), 0.1 / dt)
     alpha = rate if law.alpha is None else law.alpha
-    k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in (law.k_v, law.k_p))
+    given = (law.k_v, law.k_p) if by_hand else (None, None)
+    k_v, k_p = (np.broadcast_to(np.asarray(k or 0.0, float), m) for k in given)
     inertial = omega * M + np.diag(_damping(robot, M, dt) + _dry_friction(robot, M, dt))
     feedback = np.zeros((n, n)) if by_hand else inertial
     feedback_p = np.zeros((n, n))

@@ -1,7 +1,9 @@
 """The laws that an experiment can name: what each does at a step, learns from a cycle, is told."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
@@ -12,7 +14,7 @@ from ..experiments.experiment import Experiment
 from ..springs.bounds import near, passive
 from ..springs.cost import velocity
 from . import custom_law, learning
-from .controller import Command, joint_space, standard
+from .controller import Command, joint_space, joint_task, standard
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
 from .tuning import BY_HAND
@@ -49,6 +51,15 @@ class Law:
     def learn(self) -> Learn:
         """After each cycle that is not a passage, sets the next one's torque and springs."""
         return self.functions()[1]
+
+    def in_space(self, space: str) -> Law:
+        """The law for a task of the tool, or of the joints: then its error signal is theirs."""
+        if space == "tool" or "joints" in self.told:
+            return self
+        own, told = self.functions, (*self.told, "joints")
+        if self.file:
+            return replace(self, told=told)
+        return replace(self, functions=lambda: (joint_task, own()[1]), told=told)
 
     @property
     def said(self) -> list[str]:

@@ -12,7 +12,7 @@ from ..robots.touching import touching
 from ..springs.bounds import Bounds, per_joint
 from ..text import Note, length
 from . import motion as motions
-from .kinematics import TOLERANCE, Kinematics
+from .kinematics import TOLERANCE, JointMotion, Kinematics
 from .margins import (
     GLANCE,
     LIMITS,
@@ -28,6 +28,9 @@ from .margins import (
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
+
+TURN = 0.5
+"""Largest half size of a motion of the joints [rad]."""
 
 SHRINK = 0.8
 """Ratio of one tried size to the one before."""
@@ -77,13 +80,16 @@ def filled_in(
         MotionError: the arm follows no size of one with margin.
     """
     robot = kinematics.robot
-    at_home = kinematics.position(robot.home)
+    at_home = robot.home if robot.joint_space else kinematics.position(robot.home)
     source = f"experiment {experiment.name!r}"
     bounds = per_joint(experiment.springs, robot.joints, robot.elements, source)
     filled = []
     for index, given in enumerate(experiment.motion):
         name = f"experiment {experiment.name!r}: motion.{index}"
         motion = motions.resolve(given, robot, at_home, name)
+        if robot.joint_space:
+            filled.append(_sized_in_joints(motion, kinematics, name, bounds))
+            continue
         try:
             fitting = sized(motion, kinematics, name, alpha_0, bounds)
             if given.center is None and given.size is not None and motion.center is not None:
@@ -147,9 +153,39 @@ def sized(
     )
 
 
+def _sized_in_joints(motion: Motion, kinematics: Kinematics, name: str, bounds: Bounds) -> Motion:
+    """A motion of the joints with its size filled in, twice as far in the first as in the last.
+
+    Raises:
+        NoRoomError: the arm makes no size of it.
+    """
+    if motion.size is not None or not motion.in_a_plane:
+        return motion
+    robot, size, reason = kinematics.robot, TURN, ""
+    middle = np.array(motion.center)
+    for _ in range(TRIES):
+        candidate = motion.model_copy(update={"size": (size, size / 2)})
+        moved = JointMotion(*motions.sample(candidate, FINE * POINTS, robot)[:3])
+        reason = (
+            beyond_range(moved.q, robot)
+            or touches(moved.q, middle, robot)
+            or too_heavy(moved, kinematics, motion.period, bounds)
+        )
+        if not reason:
+            return candidate
+        size *= SHRINK
+    raise NoRoomError(
+        f"{name}: no size is given, and even with size = [{size / SHRINK:.2g}, "
+        f"{size / SHRINK / 2:.2g}] rad: {reason}. Give center, size and plane",
+        reason,
+    )
+
+
 def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
     """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach."""
     robot, found = kinematics.robot, []
+    if robot.joint_space:
+        return [motions.sample(one, POINTS, robot).x.mean(axis=0) for one in experiment.motion]
     for motion in experiment.motion:
         x = motions.sample(motion, POINTS, robot).x.mean(axis=0)
         q = kinematics.solve(x, robot.home)

@@ -166,7 +166,7 @@ class Kinematics:
             dq = rate(q)
             return JointMotion(q, dq, rate(dq))
         dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
-        drift = np.array([self._J_dot(*state) @ state[1] for state in zip(q, dq, strict=True)])
+        drift = np.array([self.jacobian_rate(a, v) @ v for a, v in zip(q, dq, strict=True)])
         ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
         return JointMotion(q, dq, ddq)
 
@@ -254,7 +254,8 @@ class Kinematics:
         mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self.robot.site)
         return self._followers.borne(self._full)[self._of_task]
 
-    def _J_dot(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:  # noqa: N802
+    def jacobian_rate(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
+        """Time derivative of J (m, n) at joint angles and velocities (n,), (n,)."""
         model, data = self._model, self._data
         self._place(q)
         data.qvel[self.robot.dof_address] = dq
@@ -288,8 +289,8 @@ class Kinematics:
 
 def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
     """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
-    before_last, last, following, second = (np.roll(values, k, axis=0) for k in (2, 1, -1, -2))
-    return (8 * (following - last) - (second - before_last)) / (12 * (period / len(values)))
+    before, last, following, second = (np.roll(values, k, axis=0) for k in (2, 1, -1, -2))
+    return (8 * (following - last) - (second - before)) / (12 * (period / len(values)))
 
 
 def _span(numbers: np.ndarray) -> slice | np.ndarray:

@@ -1,4 +1,4 @@
-"""Periodic motions of the tool in the task space, sampled over a cycle."""
+"""Periodic motions of the tool, or of the joints, sampled over a cycle."""
 
 from __future__ import annotations
 
@@ -43,8 +43,13 @@ class Samples(NamedTuple):
 
 
 def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
-    """Sample a resolved motion at `steps` equal time steps of its cycle, in the task's order."""
+    """Sample a resolved motion at `steps` equal time steps of its cycle, in the task's order.
+
+    Of a robot in joint space, the joints' angles in their order.
+    """
     parts = _in_its_frame(motion, steps, robot)
+    if robot.joint_space:
+        return Samples(*parts)
     if motion.frame != "world":
         at, R = _frame(motion, robot)
         count = len(at)
@@ -62,20 +67,23 @@ def sample(motion: Motion, steps: int, robot: Robot) -> Samples:
 def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "motion") -> Motion:
     """A motion that fits the robot's task, with all that it left open filled in but its size.
 
-    `at_home` is the tool's position at home (m,) [m]; messages call the motion `name`.
+    `at_home` is the tool's position at home (m,) [m], or the joint angles in joint space (n,)
+    [rad]; messages call the motion `name`.
 
     Raises:
         ExperimentError: the plane, the frame, the rotation or the CSV does not fit the task.
     """
-    axes = robot.position_axes
+    axes = robot.moved
     _check(motion, robot, name)
     found: dict[str, object] = {}
     if motion.shape == "csv":
         _CURVES[_key(motion, robot)] = waypoints.read(*_key(motion, robot), name)
     elif motion.in_a_plane:
         if motion.center is None:
-            at, R = _frame(motion, robot)
-            center = R.T @ (at_home[: len(axes)] - at)
+            center = at_home[: len(axes)]
+            if not robot.joint_space:
+                at, R = _frame(motion, robot)
+                center = R.T @ (center - at)
             found["center"] = tuple(float(value) for value in center)
         if motion.plane is None:
             found["plane"] = (axes[0], axes[-1])
@@ -83,7 +91,7 @@ def resolve(motion: Motion, robot: Robot, at_home: np.ndarray, name: str = "moti
             found["corners"] = motion.corners or 4
             found["rounding"] = motion.rounding or 0.5
     resolved = motion.model_copy(update=found)
-    if robot.rotates:
+    if robot.rotates and not robot.joint_space:
         longest = float(np.linalg.norm(sample(resolved, 200, robot).x[:, -3:], axis=1).max())
         if longest >= np.pi:
             raise ExperimentError(
@@ -114,19 +122,30 @@ _CURVES: dict[tuple[str, tuple[str, ...], float], CubicSpline] = {}
 
 
 def _key(motion: Motion, robot: Robot) -> tuple[str, tuple[str, ...], float]:
-    return motion.file or "", robot.axes, motion.period
+    return motion.file or "", robot.joints if robot.joint_space else robot.axes, motion.period
 
 
 def _check(motion: Motion, robot: Robot, name: str) -> None:
     """Raise where a motion does not fit the task."""
-    axes = robot.position_axes
+    axes = robot.moved
+    what = "the arm's joints" if robot.joint_space else "the task's coordinates"
     for axis in motion.plane or ():
         if axis not in axes:
             raise ExperimentError(
-                f"{name}: plane = {shown(motion.plane)}: {axis} is not one of the task's "
-                f"coordinates: {listed(axes)}"
+                f"{name}: plane = {shown(motion.plane)}: {axis} is not one of {what}: "
+                f"{listed(axes)}"
             )
+    if robot.joint_space and motion.frame != "world":
+        raise ExperimentError(
+            f"{name}: frame = {motion.frame!r}: task.space = 'joint', and joint angles have no "
+            "frame: leave it out"
+        )
     for key in ("rotation_sin", "rotation_cos"):
+        if getattr(motion, key) and robot.joint_space:
+            raise ExperimentError(
+                f"{name}: {key} is given, and task.space = 'joint': the joints' motion turns the "
+                "tool; leave it out"
+            )
         if getattr(motion, key) and not robot.rotates:
             raise ExperimentError(
                 f"{name}: {key} is given, and the task has no rotation; its coordinates are "
@@ -134,8 +153,8 @@ def _check(motion: Motion, robot: Robot, name: str) -> None:
             )
     if motion.shape == "points" and len(motion.points[0]) != len(axes):
         raise ExperimentError(
-            f"{name}: points have {len(motion.points[0])} numbers each; one per position of the "
-            f"task is needed: {listed(axes)}"
+            f"{name}: points have {len(motion.points[0])} numbers each; one for each of {what} is "
+            f"needed: {listed(axes)}"
         )
     nyquist = motion.steps(robot.model.opt.timestep) // 2
     for key in ("sin", "cos", "rotation_sin", "rotation_cos"):
@@ -145,6 +164,8 @@ def _check(motion: Motion, robot: Robot, name: str) -> None:
                 f"{name}: {key} has {most} harmonics of 1/T; valid are at most {MOST_HARMONICS}, "
                 f"and the Nyquist limit, period / (2 timestep) = {nyquist}"
             )
+    if robot.joint_space:
+        return
     _, turn = _pose(motion, robot)
     inside = np.array([axis in axes for axis in "xyz"])
     leaves = float(np.abs(turn[np.ix_(~inside, inside)]).max(initial=0.0))
@@ -179,6 +200,7 @@ def _pose(motion: Motion, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 
 def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
     """x, dx/dt and d²x/dt² of a motion (N, m), without what rotation_sin and rotation_cos add."""
+    width = robot.n if robot.joint_space else robot.m
     if motion.shape == "fourier":
         rows = motion.sin, motion.cos
         return _fourier(motion.offset or (), *rows, motion.period, steps)
@@ -188,17 +210,17 @@ def _in_its_frame(motion: Motion, steps: int, robot: Robot) -> Parts:
         phase, T = np.arange(steps) / steps, motion.period
         return curve(phase), curve(phase, 1) / T, curve(phase, 2) / T**2
     if motion.shape == "points":
-        x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
+        x, dx, ddx = (np.zeros((steps, width)) for _ in range(3))
         for whole, part in zip((x, dx, ddx), point_to_point(motion, steps), strict=True):
             whole[:, : part.shape[1]] = part
         return x, dx, ddx
     parts = _polygon(motion, steps) if motion.shape == "polygon" else _curve(motion, steps)
-    x, dx, ddx = (np.zeros((steps, robot.m)) for _ in range(3))
-    x[:, : len(robot.position_axes)] = motion.center
+    x, dx, ddx = (np.zeros((steps, width)) for _ in range(3))
+    x[:, : len(robot.moved)] = motion.center
     # A task of one position has one coordinate for both: then the shape's first alone.
     for column, axis in enumerate(dict.fromkeys(motion.plane or ())):
         for whole, part in zip((x, dx, ddx), parts, strict=True):
-            whole[:, robot.axes.index(axis)] += part[:, column]
+            whole[:, robot.moved.index(axis)] += part[:, column]
     return x, dx, ddx
 
 

@@ -45,7 +45,7 @@ def before(loaded: list[Kinematics], found: list[JointMotion], optima: list[Opti
     said: list[str] = []
     for index, (kinematics, joints, best) in enumerate(zip(loaded, found, optima, strict=True)):
         name = f"motion.{index}"
-        sudden = jerk(kinematics, joints)
+        sudden = None if kinematics.robot.joint_space else jerk(kinematics, joints)
         if sudden:
             why = sudden.said(kinematics.robot.joints)
             advice = "give another center, size or home"
@@ -118,6 +118,8 @@ def unstable(
 
     Of the laws, those of `ANALYSED` are looked at. Arguments as in `divergences`.
     """
+    if experiment.task.space == "joint":
+        return []  # the analysis is of (8)
     learns: list[Divergence | None] = [None] * len(found)
     if experiment.law.kind in ANALYSED:
         learns = divergences(experiment, loaded, gains, found, optima, q_c)

@@ -9,6 +9,8 @@ import numpy as np
 from ..motions import motion as motions
 from ..motions import passing
 from ..motions.kinematics import JointMotion
+from ..motions.tool_path import tool_path
+from ..robots.reach import reach
 
 if TYPE_CHECKING:
     from .plan import Plan
@@ -21,7 +23,9 @@ def passages(plan: Plan) -> dict[int, JointMotion]:
     for segment, motion in enumerate(plan.experiment.motion):
         first = plan.schedule.index(segment)
         cycles = range(first, first + motion.passage)
-        if cycles:
+        if plan.robot.joint_space:
+            found |= {cycle: JointMotion(*_wanted(plan, cycle)[:3]) for cycle in cycles}
+        elif cycles:
             made = plan.kinematics.passage(
                 motions.in_a_row([plan.desired(cycle) for cycle in cycles]),
                 start,
@@ -39,6 +43,22 @@ def passages(plan: Plan) -> dict[int, JointMotion]:
 
 def desired(plan: Plan, cycle: int) -> motions.Samples:
     """The desired motion in a cycle of a plan; see `Plan.desired`."""
+    wanted = _wanted(plan, cycle)
+    if plan.robot.joint_space:
+        return tool_path(plan.kinematics, JointMotion(*wanted[:3]))
+    return wanted
+
+
+def extents(plan: Plan) -> np.ndarray:
+    """Largest extent of the tool's path in each motion [m]; of a point a hundredth of the reach."""
+    last = np.cumsum([motion.cycles for motion in plan.experiment.motion]) - 1
+    positions = len(plan.robot.position_axes)
+    found = [np.ptp(desired(plan, cycle).x[:, :positions], axis=0).max() for cycle in last.tolist()]
+    return np.array([extent or 0.01 * reach(plan.robot) for extent in found])
+
+
+def _wanted(plan: Plan, cycle: int) -> motions.Samples:
+    """The motion as it is given, of the tool or of the joints."""
     segment = plan.schedule[cycle]
     motion, steps = plan.experiment.motion[segment], plan.steps(segment)
     samples = motions.sample(motion, steps, plan.robot)
@@ -48,7 +68,8 @@ def desired(plan: Plan, cycle: int) -> motions.Samples:
     left = plan.experiment.motion[segment - 1] if segment else plan.left and plan.left.motion
     if left is None:
         still = np.zeros_like(samples.x)
-        home = still + plan.kinematics.position(plan.robot.home)
+        home = plan.robot.home
+        home = still + (home if plan.robot.joint_space else plan.kinematics.position(home))
         before = motions.Samples(home, still, still)
     else:
         # The motion that is left goes on by the clock while the new one takes over.

@@ -212,6 +212,9 @@ class Plan:
         experiment, start, found = self.experiment, self.robot.home, []
         for index, motion in enumerate(experiment.motion):
             samples = motions.sample(motion, self.steps(index), self.robot)
+            if self.robot.joint_space:
+                found.append(JointMotion(*samples[:3]))
+                continue
             name = f"experiment {experiment.name!r}: motion.{index}"
             how = start, motion.period, name, self.gains.alpha_0
             found.append(self.kinematics.follow(samples, *how))
@@ -249,7 +252,7 @@ def plan_for(
         CallbackError: a callback that is not ours would act on the robot.
     """
     refuse_foreign()
-    law = laws.load(experiment.law.kind)
+    law = laws.load(experiment.law.kind).in_space(experiment.task.space)
     robot = built(experiment, followed)
     unloaded = Kinematics(robot)
     said = [*robot.notes, *law.said]

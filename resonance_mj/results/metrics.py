@@ -36,14 +36,25 @@ def share(reduced: ArrayLike, optimal: ArrayLike) -> np.ndarray:
     return np.divide(reduced, optimal, out=none, where=optimal > LEAST_REDUCTION)
 
 
-def tracks(position: ArrayLike, size: float, rotation: ArrayLike | None = None) -> np.ndarray:
+def tracks(
+    position: ArrayLike,
+    size: float,
+    rotation: ArrayLike | None = None,
+    joints: tuple[ArrayLike, float] | None = None,
+) -> np.ndarray:
     """Whether a tool follows its path: to 2 % of the path's size, and 20 mrad.
+
+    Of a task of the joints, whether these do, to 2 % of the widest swing among them.
 
     Args:
         position: RMS error of cycles (C,) [m].
         size: of the path [m].
         rotation: RMS error of the rotation (C,) [rad]; None for a task without.
+        joints: RMS error of the joints (C,) and the widest swing [rad]; None for a task of the
+            tool.
     """
+    if joints is not None:
+        return np.asarray(joints[0]) <= TRACKING * joints[1]
     follows = np.asarray(position) <= TRACKING * size
     return follows if rotation is None else follows & (np.asarray(rotation) <= TRACKING)
 

@@ -31,6 +31,8 @@ class MotionOfRun:
         torque_share: torque_reduction over that of the optimum (C,); NaN where no spring helps.
         tracking_rms: of the position error (C,) [m].
         rotation_rms: of the rotation error (C,) [rad]; None for a task without rotation.
+        joint_rms: of the joints' error (C,) [rad]; None for a task of the tool.
+        swing: widest extent of a joint's desired motion [rad]; 0 for a task of the tool.
         stiffness: k at the end of each cycle (C, n) [N m/rad].
         offset: q̄_e about `center` likewise (C, n) [N m].
         equilibrium: q_e likewise (C, n) [rad].
@@ -68,6 +70,8 @@ class MotionOfRun:
     torque_share: np.ndarray
     tracking_rms: np.ndarray
     rotation_rms: np.ndarray | None
+    joint_rms: np.ndarray | None
+    swing: float
     stiffness: np.ndarray
     offset: np.ndarray
     equilibrium: np.ndarray
@@ -106,7 +110,8 @@ class MotionOfRun:
     @property
     def tracks(self) -> np.ndarray:
         """Whether the tool follows its path in each cycle (C,)."""
-        return tracks(self.tracking_rms, self.size, self.rotation_rms)
+        joints = None if self.joint_rms is None else (self.joint_rms, self.swing)
+        return tracks(self.tracking_rms, self.size, self.rotation_rms, joints)
 
     @property
     def torque_reduction_optimal(self) -> float:
@@ -163,7 +168,8 @@ class MotionOfRun:
         def last(values: np.ndarray) -> Any:
             return values[-1].tolist() if len(values) else None
 
-        rotation = {} if self.rotation_rms is None else {"rotation_rms": last(self.rotation_rms)}
+        of_some = {"rotation_rms": self.rotation_rms, "joint_rms": self.joint_rms}
+        more = {name: last(values) for name, values in of_some.items() if values is not None}
         elastic = (
             {
                 "parameters": {name: last(values) for name, values in self.parameters.items()},
@@ -197,7 +203,7 @@ class MotionOfRun:
             **self.motors,
             **joules,
             "tracking_rms": last(self.tracking_rms),
-            **rotation,
+            **more,
             "stiffness": last(self.stiffness),
             "stiffness_optimal": self.stiffness_optimal.tolist(),
             "offset": last(self.offset),
@@ -233,12 +239,17 @@ def motions(data: xr.Dataset, kind: str) -> tuple[MotionOfRun, ...]:
     for row, number in enumerate(data["segment"].values.tolist()):
         cycles = of_cycle == number
         source = "torque_squared" if kind == "torque-squared" else "cost"
-        rotation = data["rotation_rms"].values[cycles] if "rotation_rms" in data else None
+        rotation, joints = (
+            data[name].values[cycles] if name in data else None
+            for name in ("rotation_rms", "joint_rms")
+        )
         names = data["parameter"].values.tolist() if "parameter" in data else []
         found.append(
             MotionOfRun(
                 number=number,
                 rotation_rms=rotation,
+                joint_rms=joints,
+                swing=data["swing"].values[row].item() if "swing" in data else 0.0,
                 kind=kind,
                 cost=data[source].values[cycles],
                 cost_optimal=data[f"{source}_optimal"].values[row].item(),

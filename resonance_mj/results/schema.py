@@ -55,6 +55,7 @@ VARIABLES = {
     "torque_share": Variable(CYCLE, "1", "torque_reduction / that of the optimum"),
     "tracking_rms": Variable(CYCLE, "m", "root mean square of the position error"),
     "rotation_rms": Variable(CYCLE, "rad", "root mean square of the rotation error"),
+    "joint_rms": Variable(CYCLE, "rad", "root mean square of the joints' error"),
     "singular_value": Variable(CYCLE, "m/rad", "smallest singular value of J"),
     "stiffness_per_cycle": Variable(CYCLE_JOINT, "N m/rad", "stiffness at the end of the cycle"),
     "offset_per_cycle": Variable(CYCLE_JOINT, "N m", "offset torque at the end of the cycle"),
@@ -82,6 +83,7 @@ VARIABLES = {
     "peak_torque_without_springs": Variable(MOTION, "1", "the same without springs"),
     "optimum_made": Variable(MOTION, "1", "1 if the optimum is of the joint motion made", "i"),
     "size": Variable(MOTION, "m", "largest extent of the desired path"),
+    "swing": Variable(MOTION, "rad", "widest extent of a joint's desired motion"),
     "start": Variable(MOTION, "s", "start of the motion"),
     "end": Variable(MOTION, "s", "end of the motion"),
     "period": Variable(MOTION, "s", "cycle time T"),
@@ -103,8 +105,18 @@ MOTORS = tuple(
 )
 """What the motors do in the last whole cycle of each motion, beside the optimum's."""
 
-OPTIONAL = ("rotation_rms", "q_end", "dq_end", "checkpoint", *ELASTIC, *COST, *MOTORS)
-"""Variables that only runs of a task with rotation have, or those of this version."""
+OPTIONAL = (
+    "rotation_rms",
+    "joint_rms",
+    "swing",
+    "q_end",
+    "dq_end",
+    "checkpoint",
+    *ELASTIC,
+    *COST,
+    *MOTORS,
+)
+"""Variables that only runs of some tasks have, or those of this version."""
 
 KINDS = {"f": "floating-point numbers", "i": "integers", "U": "texts"}
 """What kinds of dtype are called."""

@@ -13,7 +13,7 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..springs.elements import Element
 from ..text import joined
-from . import clearing, elastic, mjcf, motors, payload, sound, task
+from . import clearing, elastic, mjcf, motors, options, payload, sound, task
 from . import home as homes
 from .compiling import compile_spec
 from .couplings import Followers
@@ -22,12 +22,6 @@ from .warned import heard
 
 NARROW = 0.2
 """Range of a hinge joint that hardly an arm has, but one in radians read as degrees [rad]."""
-
-INTEGRATORS = {
-    "Euler": mujoco.mjtIntegrator.mjINT_EULER,
-    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
-    "RK4": mujoco.mjtIntegrator.mjINT_RK4,
-}
 
 
 @dataclass(frozen=True)
@@ -58,6 +52,7 @@ class Robot:
         notes: what was chosen and changed when the robot was loaded, a line each.
         tools: what could follow the motion, first what does.
         path: of its file.
+        joint_space: whether motions are the joints'.
     """
 
     model: mujoco.MjModel
@@ -83,6 +78,7 @@ class Robot:
     notes: tuple[str, ...]
     tools: tuple[Tool, ...]
     path: Path
+    joint_space: bool = False
     _loaded: dict[float, Robot] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -162,6 +158,11 @@ class Robot:
         return self.axes[-1] == "rz"
 
     @property
+    def moved(self) -> tuple[str, ...]:
+        """The coordinates of motions, without rotation: the task's positions, or the joints."""
+        return self.joints if self.joint_space else self.position_axes
+
+    @property
     def position_axes(self) -> tuple[str, ...]:
         """The task's coordinates without rotation."""
         return self.axes[:-3] if self.rotates else self.axes
@@ -190,7 +191,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         sound.check_texts(mjcf.find(given.mjcf))
         arm = mjcf.read(given)
         path, spec, joints, notes = arm.path, arm.spec, arm.joints, arm.notes
-        _set_options(spec, experiment, arm)
+        options.write(spec, experiment, arm)
         arm.model.opt.disableflags = spec.option.disableflags
         home = homes.chosen(given, arm)
         if given.contacts:
@@ -242,37 +243,8 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         notes=(*notes, *warned),
         tools=arm.tools,
         path=path,
+        joint_space=experiment.task.space == "joint",
     )
-
-
-def _set_options(spec: mujoco.MjSpec, experiment: Experiment, arm: mjcf.Arm) -> None:
-    """Write what the experiment says of the simulation into the model.
-
-    What is not MuJoCo's own default in the file, and nobody asked to change, is said.
-    """
-    given, option, usual = experiment.simulation, spec.option, mujoco.MjSpec().option
-    integrator = mujoco.mjtIntegrator(option.integrator)
-    of_file = {
-        "timestep": (option.timestep, option.timestep == usual.timestep),
-        "integrator": (
-            {one: name for name, one in INTEGRATORS.items()}.get(integrator, integrator.name),
-            integrator == usual.integrator,
-        ),
-    }
-    for key, (value, is_usual) in of_file.items():
-        if not (is_usual or value == getattr(given, key) or key in given.model_fields_set):
-            arm.notes.append(f"simulation.{key} is {getattr(given, key)}; the file has {value}")
-    spec.option.timestep = given.timestep
-    spec.option.integrator = INTEGRATORS[given.integrator]
-    if experiment.simulation.gravity is not None:
-        spec.option.gravity = experiment.simulation.gravity
-    # A reset would wipe the record of a run that diverges; the controller detects it first.
-    disabled = mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    if not experiment.robot.contacts:
-        disabled |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    if not experiment.robot.limits:
-        disabled |= mujoco.mjtDisableBit.mjDSBL_LIMIT
-    spec.option.disableflags |= disabled
 
 
 def _at_home(

@@ -107,9 +107,10 @@ def check_lengths(
         ("springs.initial_stiffness", bounds.initial_stiffness, "joint", joints),
         ("springs.initial_equilibrium", bounds.initial_equilibrium, "joint", joints),
     ]
+    own = ("joint", joints) if experiment.task.space == "joint" else None
     for index, motion in enumerate(experiment.motion):
-        lists.append((f"motion.{index}.offset", motion.offset, "coordinate", axes))
-        lists.append((f"motion.{index}.center", motion.center, "coordinate", position))
+        lists.append((f"motion.{index}.offset", motion.offset, *(own or ("coordinate", axes))))
+        lists.append((f"motion.{index}.center", motion.center, *(own or ("coordinate", position))))
     for key, value, each, names in lists:
         if isinstance(value, tuple) and len(value) != len(names):
             raise ExperimentError(

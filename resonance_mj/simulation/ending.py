@@ -145,7 +145,9 @@ def named(held: list[Hindrance]) -> str:
 def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) -> str:
     """That a tool does not follow its path, why, and what to try."""
     errors, rotation = motion.tracking_rms, motion.rotation_rms
-    if rotation is None or errors[-1] > TRACKING * motion.size:
+    if motion.joint_rms is not None:
+        miss = f"{angle(motion.joint_rms[-1])} of the joints, which swing by {angle(motion.swing)}"
+    elif rotation is None or errors[-1] > TRACKING * motion.size:
         share = percent(errors[-1] / motion.size, 0)
         miss = f"{length(errors[-1])}, {share} of the path's size of {length(motion.size)}"
     else:

@@ -200,7 +200,8 @@ class Member:
         """A copy of what the last cycle's control steps recorded, and what was desired."""
         memory, index = self._memory, self._index
         recorded = memory.columns(memory["record"][index, :steps].copy())
-        return recorded | {"x_desired": memory["x_desired"][index, :steps]}
+        desired = ("x_desired", "q_desired") if self.plan.robot.joint_space else ("x_desired",)
+        return recorded | {name: memory[name][index, :steps] for name in desired}
 
     def _learn(self, cycle: int, signals: dict[str, np.ndarray], springs: LinearSprings) -> None:
         """Replace the learned torque of a cycle by that of the next; short passages teach none."""

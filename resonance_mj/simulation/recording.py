@@ -8,10 +8,9 @@ import xarray as xr
 
 from ..laws.learning import low_pass
 from ..laws.memory import COLUMNS
-from ..motions.motion import sample
+from ..plan.passages import extents
 from ..plan.plan import Plan
 from ..results import metrics, schema
-from ..robots.reach import reach
 from ..springs.elements import Elements, names
 from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
@@ -29,7 +28,7 @@ TOGETHER = 64
 HARDER, GROWN = 3.0, 10.0
 """Multiples of torque² without springs, and of the lowest before, above which a run diverges."""
 
-FIGURES = ("torque_squared", "tracking_rms", "rotation_rms", "singular_value")
+FIGURES = ("torque_squared", "tracking_rms", "singular_value")
 """What is measured of each whole cycle."""
 
 PER_CYCLE = (*SPRINGS, "parameters")
@@ -57,7 +56,9 @@ class Recording:
             name: np.full((room, *self._wide(name)), 0.0)
             for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
         }
-        self._filled, also = 0, ["cost"] if self._cost else []
+        asked = {"cost": self._cost, "rotation_rms": plan.robot.rotates}
+        asked["joint_rms"] = plan.robot.joint_space
+        self._filled, also = 0, [name for name, has in asked.items() if has]
         self._cycles = {
             name: np.empty((len(self._segment), *self._wide(name)))
             for name in (*FIGURES, *also, *(f"{name}_per_cycle" for name in PER_CYCLE))
@@ -139,6 +140,8 @@ class Recording:
         found["tracking_rms"][cycle] = _rms(miss[:, :positions])
         if robot.rotates:
             found["rotation_rms"][cycle] = _rms(miss[:, positions:])
+        if robot.joint_space:
+            found["joint_rms"][cycle] = _rms(q - signals["q_desired"])
         self._poses.append(q[:: max(1, steps // POSES)])
         own = signals["stiffness"], signals["offset"]
         acting = LinearSprings(*own, springs.center.copy(), springs.others)
@@ -177,7 +180,7 @@ class Recording:
         """
         experiment, found = self._plan.experiment, list(self._plan.optima)
         made = np.zeros(len(found), int)
-        if self._robot.m < self._robot.n:
+        if self._robot.m < self._robot.n and not self._robot.joint_space:
             for segment, cycle in self.last.items():
                 free = not any(one.bears for one in hindered[segment])
                 if free and self._follows(segment, size[segment]):
@@ -204,8 +207,8 @@ class Recording:
     def _keep(self, samples: Signals) -> None:
         """Keep samples in time."""
         end = self._filled + len(samples["time"])
-        for name, values in samples.items():
-            self._samples[name][self._filled : end] = values
+        for name, kept in self._samples.items():
+            kept[self._filled : end] = samples[name]
         self._filled = end
 
     def _wide(self, name: str) -> tuple[int, ...]:
@@ -224,15 +227,13 @@ class Recording:
             dq: their velocity (n,) [rad/s].
         """
         self._measure_poses()
-        plan, robot, size = self._plan, self._robot, _sizes(self._plan)
+        plan, robot, size = self._plan, self._robot, extents(self._plan)
         optima, made = self.optima(size, hindered)
         cycles = self._done
         values = {name: kept[: self._filled].copy() for name, kept in self._samples.items()}
-        values |= {
-            name: of_cycles[:cycles].copy()
-            for name, of_cycles in self._cycles.items()
-            if name != "rotation_rms" or robot.rotates
-        }
+        values |= {name: kept[:cycles].copy() for name, kept in self._cycles.items()}
+        if robot.joint_space:
+            values["swing"] = np.array([np.ptp(one.q, axis=0).max() for one in plan.joints])
         segment = self._segment[:cycles]
         values["cycle_of_sample"] = values["cycle_of_sample"].astype(int)
         values["segment_of_sample"] = self._segment[values["cycle_of_sample"] - 1] + 1
@@ -281,15 +282,6 @@ class Recording:
             units={"y": "m^2/s"} if transposed else None,
             thinned=len(self._kept) < len(self._segment),
         )
-
-
-def _sizes(plan: Plan) -> np.ndarray:
-    """Largest extent of the desired path of each motion; of a point, a hundredth of the reach."""
-    extents = []
-    for index, motion in enumerate(plan.experiment.motion):
-        x = sample(motion, plan.steps(index), plan.robot).x[:, : len(plan.robot.position_axes)]
-        extents.append(float(np.ptp(x, axis=0).max()))
-    return np.array([extent or 0.01 * reach(plan.robot) for extent in extents])
 
 
 def _rms(miss: np.ndarray) -> float:

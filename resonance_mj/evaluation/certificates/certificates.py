@@ -211,6 +211,8 @@ def _of_optimum(
         why = _no_proof(kind)
     elif asked != "torque-squared":
         why = f"V of (14) is of torque², and springs.cost = {asked!r}"
+    elif plan.robot.joint_space:
+        why = "V of (14) is of a task of the tool"
     elif chosen.jacobian == "transpose":
         why = "there is no proof with Jᵀ in (8)"
     elif np.linalg.matrix_rank(chosen.learning) < plan.robot.n:

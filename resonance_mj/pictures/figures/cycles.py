@@ -87,6 +87,7 @@ def errors(runs: Sequence[Run]) -> dict[str, list[np.ndarray]]:
     for title, name, scale in (
         ("tracking RMS of the tool's position [mm]", "tracking_rms", 1e3),
         ("tracking RMS of the tool's rotation [rad]", "rotation_rms", 1.0),
+        ("tracking RMS of the joints [rad]", "joint_rms", 1.0),
     ):
         if any(name in run.data for run in runs):
             found[title] = [

@@ -266,10 +266,8 @@ def planned(one: Plan, cycle: int) -> FrameData:
 def cycle_ends(experiment: Experiment) -> np.ndarray:
     """When each cycle of an experiment ends (C,) [s]."""
     begins = np.cumsum([0.0, *(motion.duration for motion in experiment.motion)])
-    each = zip(begins, experiment.motion, strict=False)
-    return np.concatenate(
-        [begin + one.period * np.arange(1, one.cycles + 1) for begin, one in each]
-    )
+    cycles = (one.period * np.arange(1, one.cycles + 1) for one in experiment.motion)
+    return np.concatenate([begin + each for begin, each in zip(begins, cycles, strict=False)])
 
 
 def _seconds(value: float | str, name: str, cycles: np.ndarray) -> float:
