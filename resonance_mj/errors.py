@@ -38,6 +38,10 @@ class OutputError(ResonanceError):
     """A folder or file cannot be written, or does not hold a run."""
 
 
+class ClusterError(ResonanceError):
+    """A Dask cluster cannot be reached, was lost, or has workers of another version."""
+
+
 class PictureError(ResonanceError):
     """A picture or video was asked for that cannot be made, or OpenGL to draw it is missing."""
 

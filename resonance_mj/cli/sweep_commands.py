@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     argument("sweep", "a sweep's TOML file, or a built-in name", metavar="SWEEP"),
     argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
     argument("--threads", "to simulate with; all cores", metavar="N", type=int, default=0),
+    argument(
+        "--dask", "simulate on a Dask cluster, or local:N for N workers here", metavar="ADDRESS"
+    ),
     flag("--dry-run", "say how many experiments, how long and how large, and nothing else"),
     flag("--yes", "allow more than a million experiments"),
     figures=True,
@@ -40,9 +43,8 @@ def sweep(options: Namespace) -> int:
         return DONE
     name = folder.name
     with bar(f"{name}: preparing", "runs", screen.console, settings.size, then=name) as show:
-        found = rmj.sweep(
-            options.sweep, folder=folder, threads=options.threads, yes=options.yes, progress=show
-        )
+        how = {"threads": options.threads, "dask": options.dask, "yes": options.yes}
+        found = rmj.sweep(options.sweep, folder=folder, **how, progress=show)
     counts = Counter(found["status"].values.ravel().tolist())
     said = ", ".join(f"{count} {status}" for status, count in counts.most_common())
     screen.table({"folder": folder, "runs": settings.size, "status": dict(counts)})
@@ -56,6 +58,7 @@ def sweep(options: Namespace) -> int:
 
 def _foreseen(settings: Sweep, options: Namespace) -> tuple[dict[str, float], str]:
     """What a sweep would take, by the first experiment's first cycles."""
+    from ..sweeps.dataset import FIGURES
     from ..sweeps.sweep import SHARD
 
     experiments = settings.experiments(yes=options.yes)
@@ -75,7 +78,7 @@ def _foreseen(settings: Sweep, options: Namespace) -> tuple[dict[str, float], st
     seconds = (steps * run.simulation_wall_s / run.steps + each * len(experiments)) / cores
     joints, most = run.data.sizes["joint"], max(len(one.motion) for one in experiments)
     cycles = max(sum(motion.cycles for motion in one.motion) for one in experiments)
-    disk = 8 * len(experiments) * (most * (7 + 4 * joints) + 2 * cycles)
+    disk = 8 * len(experiments) * (most * (len(FIGURES) + 4 * joints) + 2 * cycles)
     columns = 7 * joints + 2 * run.data.sizes["axis"]
     memory = SHARD * 8 * columns * 6 * max(one.steps(dt) for one in first.motion)
     figures = {

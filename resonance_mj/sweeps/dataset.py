@@ -86,10 +86,15 @@ def written(outcomes: Sequence[Outcome]) -> bytes:
     return json.dumps([asdict(one) for one in outcomes]).encode()
 
 
+def parsed(content: bytes) -> list[Outcome]:
+    """The outcomes that `written` wrote."""
+    return [Outcome(**one) for one in json.loads(content)]
+
+
 def read(path: Path) -> list[Outcome] | None:
     """The outcomes in a shard's file; None if there is none."""
     try:
-        return [Outcome(**one) for one in json.loads(path.read_bytes())]
+        return parsed(path.read_bytes())
     except (OSError, ValueError, TypeError):
         return None
 

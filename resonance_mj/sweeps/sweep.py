@@ -6,7 +6,7 @@ import io
 import json
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,13 @@ from ..experiments.experiment import Experiment
 from ..experiments.sweeping import Sweep, load_sweep, sweep_of
 from ..files import write
 from ..plan.inputs import gather
-from ..plan.plan import Followed, plan_for
+from ..plan.plan import Followed
 from ..progress import Asked, Progress, progressing
 from ..results.run import versions
-from ..simulation.simulation import simulate_together
 from . import dataset
+from .cluster import spread
 from .dataset import Outcome
+from .shards import simulated
 
 SHARD = 16
 """Experiments that are simulated together and kept together."""
@@ -47,6 +48,7 @@ def sweep(
     seed: int = 0,
     folder: str | os.PathLike[str] | None = None,
     threads: int = 0,
+    dask: str | None = None,
     yes: bool = False,
     progress: Asked = None,
 ) -> xr.Dataset:
@@ -65,6 +67,8 @@ def sweep(
         seed: of a sample.
         folder: where shards and the result are written; nothing is if None.
         threads: how many to simulate with; 0 for all cores.
+        dask: address of a Dask scheduler whose workers simulate in their place, such as
+            tcp://host:8786, or local:N for N workers on this machine.
         yes: allow a grid of more than a million experiments.
         progress: called as experiments are done with how many are, how many there are, and how many
             of those done are not ok; a bar in a terminal or a notebook if not given, nothing for
@@ -78,6 +82,7 @@ def sweep(
     Raises:
         ExperimentError: a key or a value is not valid.
         OutputError: the folder cannot be written, or is of another sweep.
+        ClusterError: the Dask cluster cannot be reached, is lost, or has other versions.
     """
     refuse_foreign()
     base = given if isinstance(given, Experiment) else None
@@ -95,7 +100,7 @@ def sweep(
         claimed(folder) if folder else nullcontext() as at,
         progressing(progress, f"sweep of {settings.experiment}", "runs") as show,
     ):
-        return _swept(settings, experiments, at, threads, show)
+        return _swept(settings, experiments, at, threads, dask, show)
 
 
 def _swept(
@@ -103,6 +108,7 @@ def _swept(
     experiments: Sequence[Experiment],
     folder: Path | None,
     threads: int,
+    dask: str | None,
     progress: Progress,
 ) -> xr.Dataset:
     shards = [experiments[i : i + SHARD] for i in range(0, len(experiments), SHARD)]
@@ -114,18 +120,25 @@ def _swept(
         if (found := _finished(folder, whole)) is not None:
             shutil.rmtree(folder / "shards", ignore_errors=True)
             return found
-    outcomes: list[Outcome] = []
-    followed: Followed = {}
-    for name, shard in zip(names, shards, strict=True):
-        kept = None if folder is None else dataset.read(folder / "shards" / name)
-        if kept is None:
-            kept = simulated(shard, threads, followed, predict=settings.predict)
-            if len(followed) > REMEMBERED:  # of a sweep whose motions differ
-                followed.clear()
-            if folder is not None:
-                write(folder / "shards", {name: dataset.written(kept)})
-        outcomes += kept
-        progress(len(outcomes), len(experiments), sum(one.status != "ok" for one in outcomes))
+    made_of = dict(zip(names, shards, strict=True))
+    kept = {} if folder is None else _kept(folder, names)
+    missing = {name: shard for name, shard in made_of.items() if name not in kept}
+    bad = 0
+
+    def count(outcomes: list[Outcome]) -> None:
+        nonlocal bad
+        bad += sum(one.status != "ok" for one in outcomes)
+        progress(sum(map(len, kept.values())), len(experiments), bad)
+
+    for outcomes in kept.values():
+        count(outcomes)
+    several = spread(missing, dask, predict=settings.predict) if dask and missing else None
+    for name, outcomes in several or _here(missing, threads, predict=settings.predict):
+        if folder is not None:
+            write(folder / "shards", {name: dataset.written(outcomes)})
+        kept[name] = outcomes
+        count(outcomes)
+    outcomes = [one for name in names for one in kept[name]]
     found = dataset.of(settings, outcomes).assign_attrs(key=whole)
     if folder is not None:
         write(
@@ -134,6 +147,23 @@ def _swept(
         )
         shutil.rmtree(folder / "shards", ignore_errors=True)
     return found
+
+
+def _kept(folder: Path, names: Sequence[str]) -> dict[str, list[Outcome]]:
+    """The shards that a folder holds, by their names."""
+    found = ((name, dataset.read(folder / "shards" / name)) for name in names)
+    return {name: outcomes for name, outcomes in found if outcomes is not None}
+
+
+def _here(
+    shards: Mapping[str, Sequence[Experiment]], threads: int, *, predict: bool
+) -> Iterator[tuple[str, list[Outcome]]]:
+    """What comes of shards in this process, one after the other."""
+    followed: Followed = {}
+    for name, shard in shards.items():
+        yield name, simulated(shard, threads, followed, predict=predict)
+        if len(followed) > REMEMBERED:  # of a sweep whose motions differ
+            followed.clear()
 
 
 class _Made:
@@ -157,40 +187,6 @@ class _Made:
             told.update(experiment.to_toml().encode())
             told.update("".join(self._inputs[tuple(files)]).encode())
         return told.hexdigest()
-
-
-def simulated(
-    experiments: Sequence[Experiment],
-    threads: int = 0,
-    followed: Followed | None = None,
-    *,
-    predict: bool = False,
-) -> list[Outcome]:
-    """What comes of experiments, those that can begin together; only what is said of each is kept.
-
-    Args:
-        experiments: what to simulate.
-        threads: how many to use; 0 for all cores.
-        followed: what those before have in common with these, taken from here and added here.
-        predict: whether to find as well if they diverge by the linear analysis.
-    """
-    followed = {} if followed is None else followed
-    plans, outcomes = {}, {}
-    for index, experiment in enumerate(experiments):
-        if "samples" not in experiment.simulation.model_fields_set:
-            experiment = experiment.replace({"simulation.samples": 1})
-        try:
-            plan = plan_for(experiment, followed, looks=False)
-            _ = plan.optima
-        except ResonanceError as error:
-            outcomes[index] = Outcome.refused(str(error))
-        else:
-            plans[index] = plan
-    runs = simulate_together(list(plans.values()), threads=threads)
-    for index, run in zip(plans, runs, strict=True):
-        diverges = bool(plans[index].unstable) if predict else None
-        outcomes[index] = Outcome.of(run, diverges)
-    return [outcomes[index] for index in range(len(experiments))]
 
 
 def _claim(folder: Path, settings: Sweep, experiments: Sequence[Experiment]) -> None:
