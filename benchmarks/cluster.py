@@ -58,7 +58,7 @@ async def scheduling(workers: int, shards: int, seconds: float) -> None:
 
     async with Scheduler(dashboard_address=None, port=0, host="127.0.0.1") as scheduler:
         pool = [
-            Worker(scheduler.address, nthreads=1, name=i, dashboard_address=None)
+            Worker(scheduler.address, nthreads=1, name=i, dashboard_address=None, memory_limit=0)
             for i in range(workers)
         ]
         await asyncio.gather(*pool)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .simulation.simulation import simulate, simulate_many
     from .springs.optimum import Optimum
     from .sweeps.sweep import sweep
+    from .sweeps.tune import Tuned, tune
 
 _HOMES = {
     "Certificate": "evaluation.certificates.certificates",
@@ -44,6 +45,8 @@ _HOMES = {
     "simulate_many": "simulation.simulation",
     "render": "pictures.film.video",
     "sweep": "sweeps.sweep",
+    "Tuned": "sweeps.tune",
+    "tune": "sweeps.tune",
     "view": "pictures.viewer.view",
 }
 
@@ -58,6 +61,7 @@ __all__ = [
     "ResonanceError",
     "Run",
     "Status",
+    "Tuned",
     "certify",
     "compare",
     "load",
@@ -68,6 +72,7 @@ __all__ = [
     "simulate",
     "simulate_many",
     "sweep",
+    "tune",
     "view",
 ]
 

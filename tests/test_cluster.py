@@ -15,7 +15,7 @@ from resonance_mj.errors import ClusterError
 from resonance_mj.sweeps import cluster
 
 SHORT = {"motion.0.duration": 3.0, "motion.1.duration": 3.0}
-KEYS = {"law.eta": {"from": 0.2, "to": 0.9, "count": 48}}
+KEYS = {"law.beta": {"from": 2.0, "to": 9.0, "count": 48}}
 
 
 def alike(one, other):
@@ -116,7 +116,7 @@ def test_files_travel_with_the_experiments(workers, tmp_path):
     path.write_text("x,z\n" + "\n".join(f"{a},{b}" for a, b in zip(x, z, strict=True)) + "\n")
     motion = {"shape": "csv", "file": str(path), "duration": 3.0}
     experiment = base.replace({"robot.mjcf": str(arm), "motion": [motion]})
-    keys = {"law.eta": [0.5, 0.8], "robot.tool": ["tool", "nowhere"]}
+    keys = {"law.beta": [5.0, 8.0], "robot.tool": ["tool", "nowhere"]}
     alone = sweep(experiment, keys)
     before = Path.cwd()
     assert alike(sweep(experiment, keys, dask=workers), alone)

@@ -15,6 +15,7 @@ ENDS = {
     "run paper-centered --motion.0.duration 300 --motion.1.duration 1 --certify": 1,
     "run --robot menagerie:NAME": 2,  # NAME stands for one of many, which the error lists
     "check arm.toml --law.eta 0.1": 1,
+    "sweep gains --dask tcp://127.0.0.1:8786": 2,  # no scheduler is there
 }
 """Exit status of commands of which their page says that they do not end well, or stand for many."""
 
@@ -30,6 +31,7 @@ def folder(tmp_path_factory):
     for page, kind, name in (
         ("custom-law", "python", "my_law.py"),
         ("testing", "toml", "arm.toml"),
+        ("tuning", "toml", "tuning.toml"),
     ):
         text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
         (folder / name).write_text(re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1])

@@ -242,3 +242,11 @@ def test_seeds_are_a_spread_about_their_median(tmp_path):
     low, high = band.get_paths()[0].vertices[:, 1].min(), band.get_paths()[0].vertices[:, 1].max()
     assert (low, high) == pytest.approx((float(of_motion.min()), float(of_motion.max())))
     assert ax.get_xlabel() == "reality.encoder_noise"
+
+
+def test_a_key_that_varies_and_changes_nothing_is_refused_with_why():
+    with pytest.raises(rmj.ResonanceError, match=r"law\.eta has no effect: law\.beta is given"):
+        rmj.sweep(SHORT, {"law.eta": [0.2, 0.5]})
+    # In some of the runs it has.
+    data = rmj.sweep(SHORT, {"law.kind": ["transfer", "computed-torque"], "law.beta": [2.0, 5.0]})
+    assert data.sizes["law.beta"] == 2

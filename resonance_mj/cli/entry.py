@@ -27,6 +27,7 @@ COMMANDS = {
     "inspect": experiment_commands.inspect,
     "compare": comparison_commands.compare,
     "sweep": sweep_commands.sweep,
+    "tune": sweep_commands.tune,
     "plot": run_commands.plot,
     "springs": run_commands.springs,
     "certify": run_commands.certify,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import resonance_mj as rmj
 
 from ..progress import bar
-from ..text import duration
+from ..text import duration, shown
 from .command import DONE, NOT_WELL, Screen, argument, command, complain, flag
 
 if TYPE_CHECKING:
@@ -93,3 +93,31 @@ def _foreseen(settings: Sweep, options: Namespace) -> tuple[dict[str, float], st
         f"{cores} cores, {disk / 1e6:.3g} MB on disk and {memory / 1e6:.3g} MB of memory more than "
         "the models take"
     )
+
+
+@command(
+    argument("tuning", "a tuning's TOML file: docs/tuning.md", metavar="TUNING"),
+    argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
+    argument("--threads", "to simulate with; all cores", metavar="N", type=int, default=0),
+    figures=True,
+)
+def tune(options: Namespace) -> int:
+    """Look for the keys of an experiment that are best by a figure."""
+    screen = Screen(options)
+    folder = options.out or Path("runs") / Path(options.tuning).stem
+    with bar(f"{folder.name}: preparing", "trials", screen.console, then=folder.name) as show:
+        found = rmj.tune(options.tuning, folder=folder, threads=options.threads, progress=show)
+    tried = int(found.data.sizes["run"])
+    within = int(found.data["feasible"].sum())
+    figures = {"folder": folder, "trials": tried, "feasible": within, "figure": found.figure}
+    screen.table(figures | {"value": found.value, "keys": found.keys})
+    screen.line(f"{tried} trials, {within} ok and within the constraints")
+    if found.keys:
+        screen.line(f"best: {found.figure} = {found.value:.6g}, with")
+        for key, value in found.keys.items():
+            screen.line(f"  {key} = {shown(value)}")
+    screen.line(f"{folder}: best.toml, sweep.nc, summary.csv, sweep.json")
+    if found.keys:
+        return DONE
+    complain(f"{folder.name}: no trial is ok within the constraints; summary.csv says why")
+    return NOT_WELL

@@ -1,12 +1,16 @@
 """Keys that were given and have no effect: a run does not pass over them in silence."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from ..errors import ExperimentError
 from ..text import shown
 from .experiment import Experiment
 from .law_section import KINDS
+
+LOOKED_AT = 16
+"""Experiments of many in which it is looked for keys that change nothing."""
 
 
 def without_effect(
@@ -26,6 +30,24 @@ def without_effect(
         if name in given.model_fields_set and own:
             said.append(f"{key} = {shown(value)} has no effect: {reason}")
     return said
+
+
+def refuse_idle(experiments: Sequence[Experiment], keys: Iterable[str], source: str) -> None:
+    """Raise for a key that varies and changes nothing, with why.
+
+    Args:
+        experiments: of which a few are looked at.
+        keys: that vary from one to another.
+        source: what the error names.
+
+    Raises:
+        ExperimentError: in all of these a key has no effect.
+    """
+    few = experiments[:: max(1, len(experiments) // LOOKED_AT)]
+    idle = [dict(_reasons(one, None, None)) for one in few]
+    for key in keys:
+        if all(key in each for each in idle):
+            raise ExperimentError(f"{source}: keys.{key} has no effect: {idle[0][key]}")
 
 
 def _reasons(

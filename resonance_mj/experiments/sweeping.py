@@ -188,19 +188,19 @@ def sweep_of(values: dict[str, Any], source: str) -> Sweep:
     try:
         for name in ("keys", "fixed"):
             if isinstance(table := values.get(name), dict):
-                values = values | {name: _dotted(plain(table))}
+                values = values | {name: dotted(plain(table))}
     except RecursionError:
         raise ExperimentError(f"{source}: {NESTED}") from None
     return validated(Sweep, values, source)
 
 
-def _dotted(table: dict[str, Any], before: str = "") -> dict[str, Any]:
+def dotted(table: dict[str, Any], before: str = "") -> dict[str, Any]:
     """Tables in tables as dotted keys; what has from and to is a range."""
     found: dict[str, Any] = {}
     for key, value in table.items():
         name = f"{before}.{key}".removeprefix(".")
         if isinstance(value, dict) and not {"from", "to"} & set(value):
-            found |= _dotted(value, name)
+            found |= dotted(value, name)
         else:
             found[name] = value
     return found

@@ -16,6 +16,7 @@ import xarray as xr
 from ..callback.callback import refuse_foreign
 from ..claim import CLAIM, claimed
 from ..errors import ExperimentError, OutputError, ResonanceError
+from ..experiments.effects import refuse_idle
 from ..experiments.experiment import Experiment
 from ..experiments.sweeping import Sweep, load_sweep, sweep_of
 from ..files import write
@@ -96,6 +97,7 @@ def sweep(
         values |= {"method": method, "seed": seed, "count": count}
         settings = sweep_of(values, f"sweep of {name}")
     experiments = settings.experiments(base, yes=yes)
+    refuse_idle(experiments, settings.keys, f"sweep of {name}")
     with (
         claimed(folder) if folder else nullcontext() as at,
         progressing(progress, f"sweep of {settings.experiment}", "runs") as show,
@@ -112,11 +114,11 @@ def _swept(
     progress: Progress,
 ) -> xr.Dataset:
     shards = [experiments[i : i + SHARD] for i in range(0, len(experiments), SHARD)]
-    made = _Made()
+    made = Made()
     names = [made.name(shard) for shard in shards]
     whole = hashlib.sha256("".join(names).encode()).hexdigest()
     if folder is not None:
-        _claim(folder, settings, experiments)
+        claim(folder, settings.model_dump(mode="json", by_alias=True), experiments)
         if (found := _finished(folder, whole)) is not None:
             shutil.rmtree(folder / "shards", ignore_errors=True)
             return found
@@ -141,12 +143,15 @@ def _swept(
     outcomes = [one for name in names for one in kept[name]]
     found = dataset.of(settings, outcomes).assign_attrs(key=whole)
     if folder is not None:
-        write(
-            folder,
-            {WHOLE: bytes(found.to_netcdf(engine="h5netcdf")), TABLE: _table(settings, outcomes)},
-        )
+        finished(folder, settings, outcomes, found)
         shutil.rmtree(folder / "shards", ignore_errors=True)
     return found
+
+
+def finished(folder: Path, settings: Sweep, outcomes: Sequence[Outcome], found: xr.Dataset) -> None:
+    """Write the dataset and the table of a sweep."""
+    whole = bytes(found.to_netcdf(engine="h5netcdf"))
+    write(folder, {WHOLE: whole, TABLE: _table(settings, outcomes)})
 
 
 def _kept(folder: Path, names: Sequence[str]) -> dict[str, list[Outcome]]:
@@ -166,7 +171,7 @@ def _here(
             followed.clear()
 
 
-class _Made:
+class Made:
     """The names of shards: other ones for other experiments, files or versions."""
 
     def __init__(self) -> None:
@@ -174,6 +179,7 @@ class _Made:
         self._inputs: dict[tuple[str, ...], list[str]] = {}
 
     def name(self, shard: Sequence[Experiment]) -> str:
+        """Of a shard."""
         told = hashlib.sha256(self._versions.encode())
         for experiment in shard:
             files = [experiment.robot.mjcf, *experiment.robot.packages, experiment.law.kind]
@@ -189,13 +195,13 @@ class _Made:
         return told.hexdigest()
 
 
-def _claim(folder: Path, settings: Sweep, experiments: Sequence[Experiment]) -> None:
-    """Take a folder for a sweep; refused if it is another's."""
+def claim(folder: Path, values: Mapping[str, Any], experiments: Sequence[Experiment]) -> None:
+    """Take a folder for a sweep or a search of these settings; refused if it is another's."""
     told = hashlib.sha256()
     for experiment in experiments:
         told.update(experiment.to_toml().encode())
-    values = settings.model_dump(mode="json", by_alias=True) | {"experiments": told.hexdigest()}
-    path, said = folder / SETTINGS, json.dumps(values, indent=2) + "\n"
+    said = json.dumps({**values, "experiments": told.hexdigest()}, indent=2) + "\n"
+    path = folder / SETTINGS
     if path.is_file():
         if path.read_text(encoding="utf-8") != said:
             raise OutputError(
