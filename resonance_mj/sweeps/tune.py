@@ -161,14 +161,16 @@ def _check(settings: Tuning, base: Experiment) -> None:
         key: [values.start, values.stop] if isinstance(values, Range) else values
         for key, values in settings.keys.items()
     }
+    tried: list[Experiment] = []
+    for key, values in ends.items():
+        alone, refused = _valid(base, [{key: value} for value in values])
+        if refused and (not alone or isinstance(settings.keys[key], Range)):
+            raise ExperimentError(next(iter(refused.values())).message)
+        tried += alone
     most = max(map(len, ends.values()))
     corners = [{key: v[min(i, len(v) - 1)] for key, v in ends.items()} for i in range(most)]
-    alone = [{key: value} for key, values in ends.items() for value in values]
-    for point in alone:
-        if isinstance(settings.keys[next(iter(point))], Range):
-            base.replace(point)  # beyond an end all would be refused
-    valid, _ = _valid(base, [*corners, *alone])
-    refuse_idle(valid or [base], settings.keys, f"tuning of {settings.experiment}")
+    tried += _valid(base, corners)[0]
+    refuse_idle(tried, settings.keys, f"tuning of {settings.experiment}")
 
 
 def _valid(
