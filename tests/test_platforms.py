@@ -19,6 +19,7 @@ import ctypes, json, os, signal, sys
 import h5netcdf, h5py, imageio_ffmpeg, matplotlib.pyplot, mujoco, numba, scipy.optimize
 import scipy.interpolate, scipy.linalg, scipy.stats, xarray, rich.progress, pydantic, tomlkit
 import platformdirs, concurrent.futures.process, shutil, subprocess, tempfile
+import dask.array  # xarray looks for it
 SYSTEM = sys.argv[1]
 for name in ("fork", "posix_spawn", "killpg"):
     vars(os).pop(name, None)

@@ -21,8 +21,8 @@ class Motors(Section):
     """
 
     k_m: Positive | Each | None = None
-    """Motor constant, torque of the shaft per root of the heat in the windings [N m/√W]; if not
-    given, such that a motor heats with 100 W at its rated torque."""
+    """Motor constant, torque of the shaft per root of the heat in the windings [N m/√W]; such that
+    a motor heats with 100 W at its rated torque if not given."""
     gear_ratio: Positive | Each = 1.0
     """Turns of the shaft per turn of the joint."""
     gear_efficiency: Efficiency | Annotated[tuple[Efficiency, ...], Field(min_length=1)] = 1.0
@@ -32,5 +32,5 @@ class Motors(Section):
     regeneration: Part = 0.0
     """Share of the power of a motor that brakes which its supply takes back."""
     rated_torque: Positive | Each | None = None
-    """Torque at the joint that the peak is a share of [N m]; if not given, the limit of the joint's
-    motor, and without one the peak that the motions would need without springs."""
+    """Torque at the joint that the peak is a share of [N m]; the limit of the joint's motor, and
+    without one the peak that the motions would need without springs, if not given."""

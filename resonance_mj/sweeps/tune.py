@@ -24,18 +24,13 @@ from ..progress import Asked, progressing
 from ..text import listed, nearest, shown
 from . import dataset
 from .dataset import Outcome
+from .judging import NO_FIGURE, OF_RUN, beyond, objective
 from .shards import simulated
 from .sweep import SHARD, Made, claim, finished
 
 if TYPE_CHECKING:
     from optuna import Study
     from optuna.distributions import BaseDistribution
-
-OF_RUN = ("torque_share", "cost_share")
-"""Figures besides those of summary.json: of the possible reduction."""
-
-NO_FIGURE = 1e30
-"""What a run without the figure counts as; such a run is no best."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -135,9 +130,9 @@ def tune(
             simulations = iter(kept)
             kept = [refused[i] if i in refused else next(simulations) for i in range(count)]
             for trial, outcome in zip(asked, kept, strict=True):
-                for at_end, value in _beyond(settings, outcome).items():
+                for at_end, value in beyond(settings, outcome).items():
                     trial.set_constraint(at_end, value)
-                study.tell(trial, _objective(settings, outcome))
+                study.tell(trial, objective(settings, outcome))
             points += batch
             outcomes += kept
             show(len(points), settings.trials, sum(one.status != "ok" for one in outcomes))
@@ -239,44 +234,6 @@ def _share(value: float) -> Any:
     return np.array([value])
 
 
-def _figure(name: str, motion: Mapping[str, Any], *, cycles: int) -> float:
-    """A figure of a motion; NaN where it has none."""
-    if name in OF_RUN:
-        of = name.removesuffix("_share")
-        part, best = motion[f"{of}_reduction"], motion[f"{of}_reduction_optimal"]
-        return math.nan if part is None or not best else part / best
-    value = motion[name]
-    if name == "cycles_to_optimum" and value is None:
-        return cycles + 1.0  # it has not come there yet
-    return math.nan if value is None else float(value)
-
-
-def _worst(name: str, outcome: Outcome, *, least: bool) -> float:
-    """A figure of a run: of its motions the least or the greatest, NaN if one has none."""
-    cycles = len(outcome.cycles["torque_squared"])
-    values = [_figure(name, motion, cycles=cycles) for motion in outcome.motions]
-    if not values or any(map(math.isnan, values)):
-        return math.nan
-    return min(values) if least else max(values)
-
-
-def _objective(settings: Tuning, outcome: Outcome) -> float:
-    value = _worst(settings.figure, outcome, least=settings.maximize is not None)
-    if math.isnan(value):
-        return NO_FIGURE if settings.minimize else -NO_FIGURE
-    return value
-
-
-def _beyond(settings: Tuning, outcome: Outcome) -> dict[str, float]:
-    """How far an outcome is beyond each constraint, and 1 for a run that is not ok."""
-    missing = abs(_objective(settings, outcome)) >= NO_FIGURE
-    found = {"status": float(outcome.status != "ok" or missing)}
-    for name, ends in settings.constraints.items():
-        values = _worst(name, outcome, least=True), _worst(name, outcome, least=False)
-        found[name] = NO_FIGURE if any(map(math.isnan, values)) else max(map(ends.excess, values))
-    return found
-
-
 def _as_sweep(settings: Tuning, points: Sequence[Mapping[str, Any]]) -> Any:
     """The trials as a sweep that has them all."""
     keys = {key: [point[key] for point in points] for key in settings.keys}
@@ -290,8 +247,8 @@ def _found(
     points: Sequence[dict[str, Any]],
     outcomes: Sequence[Outcome],
 ) -> Tuned:
-    values = [_objective(settings, one) for one in outcomes]
-    feasible = [max(_beyond(settings, one).values()) <= 0 for one in outcomes]
+    values = [objective(settings, one) for one in outcomes]
+    feasible = [max(beyond(settings, one).values()) <= 0 for one in outcomes]
     data = dataset.of(_as_sweep(settings, points), outcomes)
     data = data.assign(
         objective=("run", [math.nan if abs(v) >= NO_FIGURE else v for v in values]),
