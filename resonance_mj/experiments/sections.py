@@ -126,8 +126,8 @@ class Task(Section):
     """tool: motions are the tool's, and the law knows no inverse kinematics; joint: motions are the
     joints', in radians, a number or column per joint where the tool's have one per coordinate."""
     coordinates: Annotated[tuple[Literal["x", "y", "z", "rotation"], ...], Alone] | None = None
-    """Of the tool in the world frame: any of x, y, z, and rotation; the positions that the arm
-    controls if not given. Of a task of the joints, what is recorded of the tool."""
+    """Of the tool in the world frame, or what is recorded of it in a task of the joints: any of x,
+    y, z, and rotation; the positions that the arm controls if not given."""
 
     @field_validator("coordinates")
     @classmethod
