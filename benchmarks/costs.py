@@ -1,5 +1,8 @@
 """What springs that are best by each cost leave, and how the law comes there: docs/springs.md.
 
+    python benchmarks/costs.py [RUN ...]
+    python benchmarks/costs.py --hold 1000
+
 Each run has its default gains, and motors of which nothing is given.
 """
 
@@ -15,11 +18,39 @@ from resonance_mj.springs.fit import fit
 RUNS = ("two-link-transfer", "six-joint-pose", "seven-joint")
 
 
+def held(cycles: int) -> None:
+    """Print the ends of the law's cost over its optimum's in the second half of many cycles."""
+    base = rmj.load("two-link-transfer")
+    one = base.model_dump(exclude_unset=True)["motion"][0] | {"duration": float(cycles)}
+    base = base.replace({"motion": [one], "simulation.samples": 2000})
+    joints = "joint1", "joint2"
+    elements: dict[str, list[dict[str, object]]] = {
+        "none": [],
+        "cubic": [{"kind": "cubic", "joints": [joint]} for joint in joints],
+        "over two joints": [{"joints": list(joints), "radii": [0.5, -1.5]}],
+    }
+    print("| elements | least of | from | least | greatest |\n|---|---|---|---|---|")
+    for name, given in elements.items():
+        for kind in KINDS:
+            changes = {"springs.element": given, "springs.cost": kind}
+            (motion,) = rmj.simulate(base.replace(changes), progress=False).motions
+            ratio = (motion.cost / motion.cost_optimal)[cycles // 2 :]
+            ends = f"{ratio.min():.4f} | {ratio.max():.4f}"
+            print(
+                f"| {name} | {KINDS[kind].name} | {motion.cycles_to_optimum} | {ends} |", flush=True
+            )
+
+
 def main() -> None:
     """Print a table of motions by costs."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("runs", nargs="*", default=RUNS)
-    names = parser.parse_args().runs
+    parser.add_argument("--hold", type=int, metavar="CYCLES", help="the paper's arm for so many")
+    options = parser.parse_args()
+    if options.hold:
+        held(options.hold)
+        return
+    names = options.runs
     experiments = [
         rmj.load(name).replace({"springs.cost": kind}) for name in names for kind in KINDS
     ]

@@ -15,7 +15,6 @@ ENDS = {
     "run paper-centered --motion.0.duration 300 --motion.1.duration 1 --certify": 1,
     "run --robot menagerie:NAME": 2,  # NAME stands for one of many, which the error lists
     "check arm.toml --law.eta 0.1": 1,
-    "sweep gains --dask tcp://127.0.0.1:8786": 2,  # no scheduler is there
 }
 """Exit status of commands of which their page says that they do not end well, or stand for many."""
 
