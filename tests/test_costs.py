@@ -173,6 +173,23 @@ def test_no_springs_and_elements_near_the_best_cost_less(kind):
 
 
 @pytest.mark.parametrize("kind", OTHERS)
+@pytest.mark.parametrize("joints", [[1], [0, 1]])
+@pytest.mark.parametrize("still", [False, True])
+def test_joints_that_need_no_torque_or_stand_still_get_springs_that_do_nothing(kind, joints, still):
+    q, torque, dq, drives = some_motion(3)
+    torque[:, joints] = 0.0
+    if still:
+        q[:, joints], dq[:, joints] = 0.3, 0.0
+    found = fit(q, torque, bounds_of(2, kind, drives), q.mean(axis=0), dq)
+    exerted = found.torque(q)
+    assert np.isfinite([*found]).all()
+    # Corners are rounded by a thousandth of what is usual, 1 N m where nothing is.
+    assert np.abs(exerted[:, joints]).max() < 2e-3 * max(1.0, np.abs(torque).max())
+    cost = Cost(kind, drives)
+    assert cost.of(torque - exerted, dq) <= cost.of(torque, dq) * (1 + 1e-4) + 1e-5
+
+
+@pytest.mark.parametrize("kind", OTHERS)
 def test_the_law_reaches_the_optimum_of_every_cost(kind):
     run = rmj.simulate(asked(kind, **MOTORS))
     assert run.status == "ok"

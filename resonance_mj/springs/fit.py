@@ -15,7 +15,7 @@ import numpy as np
 
 from . import program, spring
 from .bounds import Bounds
-from .cost import Cost
+from .cost import Cost, usual_torque
 from .elements import NO_ELEMENTS, Elements
 from .least_peak import least_peak
 
@@ -128,7 +128,7 @@ def _least(
         best = least_peak(given, torque.ravel(), bounds.elements, rated)
     else:
         speed = np.zeros_like(q) if dq is None else dq
-        usual = np.sqrt((torque**2).mean(axis=0)) + np.finfo(float).tiny
+        usual = usual_torque(torque)
 
         def each(left: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             value, slope, curvature = cost.smooth(left.reshape(q.shape), speed, usual)

@@ -18,7 +18,7 @@ from ...plan.plan import Plan
 from ...results.cycles import Cycle
 from ...springs import spring
 from ...springs.bounds import Bounds
-from ...springs.cost import Cost, velocity
+from ...springs.cost import Cost, usual_torque, velocity
 from ...springs.elements import Elements
 from ...springs.fit import LinearSprings, asked_for, feasible
 from ...springs.optimum import Optimum
@@ -76,8 +76,7 @@ def pull(
     """
     if objective is None:
         return torque
-    usual = np.sqrt((whole**2).mean(axis=0)) + np.finfo(float).tiny
-    _, slope, curvature = objective.smooth(torque, dq, usual)
+    _, slope, curvature = objective.smooth(torque, dq, usual_torque(whole))
     return np.asarray(slope / curvature.mean(axis=0))
 
 
