@@ -183,7 +183,7 @@ def test_joints_that_need_no_torque_or_stand_still_get_springs_that_do_nothing(k
     found = fit(q, torque, bounds_of(2, kind, drives), q.mean(axis=0), dq)
     exerted = found.torque(q)
     assert np.isfinite([*found]).all()
-    # Corners are rounded by a thousandth of what is usual, 1 N m where nothing is.
+    # Corners are rounded by a thousandth of what is usual, a millinewton metre where nothing is.
     assert np.abs(exerted[:, joints]).max() < 2e-3 * max(1.0, np.abs(torque).max())
     cost = Cost(kind, drives)
     assert cost.of(torque - exerted, dq) <= cost.of(torque, dq) * (1 + 1e-4) + 1e-5

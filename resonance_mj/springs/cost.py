@@ -164,7 +164,7 @@ def velocity(q: np.ndarray, period: float) -> np.ndarray:
 def usual_torque(torque: np.ndarray) -> np.ndarray:
     """What is usual of each joint's torque (N, n): (n,) [N m], not 0 for one that needs none."""
     rms = np.sqrt((torque**2).mean(axis=0))
-    return np.asarray(np.maximum(rms, 1e-6 * rms.max(initial=0.0)) if rms.any() else rms + 1.0)
+    return np.asarray(np.maximum(rms, 1e-6 * rms.max(initial=0.0)) if rms.any() else rms + 1e-3)
 
 
 def _sign(dq: np.ndarray) -> np.ndarray:
