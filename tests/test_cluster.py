@@ -143,7 +143,7 @@ def test_workers_of_another_version_are_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "address", ["local:0", "local:two", "local", "tcp://127.0.0.1:9", "nothing"]
+    "address", ["local:0", "local:two", "local", "tcp://127.0.0.1:9", "nothing", ""]
 )
 def test_a_cluster_that_is_none_is_refused_in_one_line(address, monkeypatch):
     monkeypatch.setattr(cluster, "WAIT", 1)

@@ -103,9 +103,12 @@ def _foreseen(settings: Sweep, options: Namespace) -> tuple[dict[str, float], st
 )
 def tune(options: Namespace) -> int:
     """Look for the keys of an experiment that are best by a figure."""
-    screen = Screen(options)
+    from ..experiments.tuning import load_tuning
+
+    settings, screen = load_tuning(options.tuning), Screen(options)
     folder = options.out or Path("runs") / Path(options.tuning).stem
-    with bar(f"{folder.name}: preparing", "trials", screen.console, then=folder.name) as show:
+    name, total = folder.name, settings.trials
+    with bar(f"{name}: preparing", "trials", screen.console, total, then=name) as show:
         found = rmj.tune(options.tuning, folder=folder, threads=options.threads, progress=show)
     tried = int(found.data.sizes["run"])
     within = int(found.data["feasible"].sum())

@@ -134,7 +134,9 @@ def _swept(
 
     for outcomes in kept.values():
         count(outcomes)
-    several = spread(missing, dask, predict=settings.predict) if dask and missing else None
+    several = (
+        spread(missing, dask, predict=settings.predict) if dask is not None and missing else None
+    )
     for name, outcomes in several or _here(missing, threads, predict=settings.predict):
         if folder is not None:
             write(folder / "shards", {name: dataset.written(outcomes)})
