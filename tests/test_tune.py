@@ -10,8 +10,8 @@ import xarray as xr
 import resonance_mj as rmj
 from resonance_mj.errors import ExperimentError
 
-SHORT = {"motion.0.duration": 14.0, "motion.1.duration": 14.0}
-BASE = rmj.load("two-link-transfer").replace({"law": {}} | SHORT)
+FIRST = rmj.load("two-link-transfer").model_dump(exclude_unset=True)["motion"][0]
+BASE = rmj.load("two-link-transfer").replace({"law": {}, "motion": [FIRST | {"duration": 12.0}]})
 ETA = {"law.eta": {"from": 0.05, "to": 1.2}}
 
 
