@@ -68,7 +68,9 @@ def test_runs_that_diverge_or_cannot_begin_are_no_best():
 
 
 def test_where_nothing_is_within_the_constraints_nothing_is_found(tmp_path):
-    found = tuned(trials=4, constraints={"tracking_rms": {"max": 0.0}})
+    within = {"tracking_rms": {"max": 0.0}}
+    found = tuned(trials=4, constraints=within, folder=tmp_path / "out")
+    assert not (tmp_path / "out" / "best.toml").exists()
     assert found.keys == {}
     assert np.isnan(found.value)
     assert found.experiment == BASE

@@ -119,7 +119,8 @@ def tune(options: Namespace) -> int:
         screen.line(f"best: {found.figure} = {found.value:.6g}, with")
         for key, value in found.keys.items():
             screen.line(f"  {key} = {shown(value)}")
-    screen.line(f"{folder}: best.toml, sweep.nc, summary.csv, sweep.json")
+    best = ["best.toml"] if found.keys else []
+    screen.line(f"{folder}: {', '.join([*best, 'sweep.nc', 'summary.csv', 'sweep.json'])}")
     if found.keys:
         return DONE
     complain(f"{folder.name}: no trial is ok within the constraints; summary.csv says why")

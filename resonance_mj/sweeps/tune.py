@@ -26,11 +26,15 @@ from . import dataset
 from .dataset import Outcome
 from .judging import NO_FIGURE, OF_RUN, beyond, objective
 from .shards import simulated
-from .sweep import SHARD, Made, claim, finished
+from .sweep import REMEMBERED, SHARD, Made, claim, finished
 
 if TYPE_CHECKING:
     from optuna import Study
     from optuna.distributions import BaseDistribution
+
+
+BEST = "best.toml"
+"""The experiment with the best values, in the folder of a search."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,13 +137,16 @@ def tune(
                 for at_end, value in beyond(settings, outcome).items():
                     trial.set_constraint(at_end, value)
                 study.tell(trial, objective(settings, outcome))
+            if len(followed) > REMEMBERED:
+                followed.clear()
             points += batch
             outcomes += kept
             show(len(points), settings.trials, sum(one.status != "ok" for one in outcomes))
         found = _found(settings, base, points, outcomes)
         if at is not None:
             finished(at, _as_sweep(settings, points), outcomes, found.data)
-            write(at, {"best.toml": found.experiment.to_toml().encode()})
+            if found.keys:
+                write(at, {BEST: found.experiment.to_toml().encode()})
     return found
 
 
