@@ -32,7 +32,7 @@ def beside_threads(robots: int, cycles: int, repeat: int) -> None:
     base, keys = base.replace({"motion": [one]}), {"law.beta": np.linspace(2, 10, robots).tolist()}
     with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=50) as scheduler:
         address = scheduler.scheduler_address
-        workers = [cluster._worker(address) for _ in range(2)]
+        workers = [cluster.begin_worker(address) for _ in range(2)]
         rmj.sweep(base, keys, dask=address, progress=False)  # imports and compiles
         took: dict[str, list[float]] = {"threads": [], "workers": []}
         for _ in range(repeat):
@@ -41,7 +41,7 @@ def beside_threads(robots: int, cycles: int, repeat: int) -> None:
                 rmj.sweep(base, keys, progress=False, **how)
                 took[name].append(time.perf_counter() - began)
         for each in workers:
-            cluster._ended(each)
+            cluster.end_worker(each)
     threads, spread = (median(took[name]) for name in ("threads", "workers"))
     print("| robots | 2 threads [s] | 2 workers [s] | ratio |\n|---|---|---|---|")
     print(f"| {robots} | {threads:.2f} | {spread:.2f} | {spread / threads:.2f} |")

@@ -38,10 +38,10 @@ def workers():
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=50) as scheduler:
-        began = [cluster._worker(scheduler.scheduler_address) for _ in range(2)]
+        began = [cluster.begin_worker(scheduler.scheduler_address) for _ in range(2)]
         yield scheduler.scheduler_address
         for one in began:
-            cluster._ended(one)
+            cluster.end_worker(one)
 
 
 def test_workers_make_the_same_bits_and_none_is_left(here, tmp_path):
@@ -89,7 +89,7 @@ def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path):
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     host, port = address.removeprefix("tcp://").split(":")
     scheduler = subprocess.Popen([*began, "--host", host, "--port", port], **quiet)
-    worker = cluster._worker(address)
+    worker = cluster.begin_worker(address)
 
     def losing(done, total, bad):
         if done == 16:
@@ -101,7 +101,7 @@ def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path):
     finally:
         scheduler.kill()
         scheduler.wait()
-        cluster._ended(worker)
+        cluster.end_worker(worker)
     assert alike(sweep(folder=tmp_path / "out"), here)
 
 
@@ -136,10 +136,10 @@ def test_workers_of_another_version_are_refused(tmp_path, monkeypatch):
     with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=50) as scheduler:
         with monkeypatch.context() as changed:
             changed.setenv("PYTHONPATH", str(tmp_path))
-            worker = cluster._worker(scheduler.scheduler_address)
+            worker = cluster.begin_worker(scheduler.scheduler_address)
         with pytest.raises(ClusterError, match=r"resonance-mj 0\.0\.1 in place of"):
             sweep(dask=scheduler.scheduler_address)
-        cluster._ended(worker)
+        cluster.end_worker(worker)
 
 
 @pytest.mark.parametrize(

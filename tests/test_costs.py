@@ -193,6 +193,8 @@ def test_joints_that_need_no_torque_or_stand_still_get_springs_that_do_nothing(k
 def test_the_law_reaches_the_optimum_of_every_cost(kind):
     run = rmj.simulate(asked(kind, **MOTORS))
     assert run.status == "ok"
+    units = {run.data[name].attrs["units"] for name in ("cost", "cost_optimal")}
+    assert units == {"1" if kind == "peak" else "W"}
     motors = motors_of(run.plan.drives)
     last = {cycle.motion: cycle for cycle in kept(run)}
     for index, motion in enumerate(run.motions):

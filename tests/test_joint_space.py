@@ -125,10 +125,13 @@ def test_from_one_motion_into_the_next_joints_pass_smoothly():
     assert np.allclose(cycles[-1], plan.joints[1].q)
 
 
-def test_a_joint_that_is_off_is_not_tracking_though_its_tool_hardly_moves():
+def test_joints_that_are_off_are_said_to_be_and_not_the_tool(tmp_path):
     run = rmj.simulate(swinging(**{"law.kind": "feedback", "law.omega": 5.0}))
     assert run.status == "not tracking"
     assert "of the joints, which swing by" in run.message
+    assert run.motions[0].off.startswith("the joints are ")
+    page = rmj.report([run], tmp_path / "page.html", video=False, progress=False)
+    assert "The joints are " in page.read_text(encoding="utf-8")
 
 
 def test_a_whole_run_is_saved_read_and_drawn(run, tmp_path):

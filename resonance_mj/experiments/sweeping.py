@@ -16,7 +16,7 @@ from ..text import listed
 from .experiment import Experiment
 from .loading import load
 from .sections import Finite, Name, Section
-from .validation import NESTED, plain, validated
+from .validation import NESTED, Model, plain, validated
 
 MOST_POINTS = 1_000_000
 """Experiments of a sweep that nobody has confirmed."""
@@ -166,7 +166,17 @@ def load_sweep(name: str) -> Sweep:
     """
     built_in = library.sweeps()
     path = built_in.get(str(name), Path(name))
-    needed = f"give a sweep's TOML file or one of {listed(built_in)}"
+    return read(Sweep, path, f"give a sweep's TOML file or one of {listed(built_in)}")
+
+
+def read(model: type[Model], path: Path, needed: str) -> Model:
+    """What varies the keys of an experiment, from its file; see `load_sweep`.
+
+    Args:
+        model: `Sweep`, or another with keys and fixed.
+        path: of the TOML file.
+        needed: what to give where there is none.
+    """
     try:
         values = tomllib.loads(read_text(path, needed=needed))
     except ValueError as error:
@@ -176,11 +186,11 @@ def load_sweep(name: str) -> Sweep:
     beside = path.parent / str(values.get("experiment", ""))
     if beside.is_file():
         values["experiment"] = str(beside.resolve())
-    return sweep_of(values, str(path))
+    return of_values(model, values, str(path))
 
 
-def sweep_of(values: dict[str, Any], source: str) -> Sweep:
-    """A sweep of a file's values; keys may stand as `law.beta` with quotes or without.
+def of_values(model: type[Model], values: dict[str, Any], source: str) -> Model:
+    """The same of a file's values; keys may stand as `law.beta` with quotes or without.
 
     Raises:
         ExperimentError: a value is not valid; the message names `source`.
@@ -188,19 +198,19 @@ def sweep_of(values: dict[str, Any], source: str) -> Sweep:
     try:
         for name in ("keys", "fixed"):
             if isinstance(table := values.get(name), dict):
-                values = values | {name: dotted(plain(table))}
+                values = values | {name: _dotted(plain(table))}
     except RecursionError:
         raise ExperimentError(f"{source}: {NESTED}") from None
-    return validated(Sweep, values, source)
+    return validated(model, values, source)
 
 
-def dotted(table: dict[str, Any], before: str = "") -> dict[str, Any]:
+def _dotted(table: dict[str, Any], before: str = "") -> dict[str, Any]:
     """Tables in tables as dotted keys; what has from and to is a range."""
     found: dict[str, Any] = {}
     for key, value in table.items():
         name = f"{before}.{key}".removeprefix(".")
         if isinstance(value, dict) and not {"from", "to"} & set(value):
-            found |= dotted(value, name)
+            found |= _dotted(value, name)
         else:
             found[name] = value
     return found

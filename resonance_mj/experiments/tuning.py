@@ -1,16 +1,12 @@
 """A tuning file: an experiment, where its keys are looked for, and what is to be best."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from ..errors import ExperimentError
-from ..files import read_text
 from .sections import Finite, Name, Section
-from .sweeping import Range, dotted
-from .validation import NESTED, plain, validated
+from .sweeping import Range, read
 
 
 class Constraint(Section):
@@ -79,28 +75,4 @@ def load_tuning(path: str) -> Tuning:
     Raises:
         ExperimentError: there is no such file, it is not TOML, or a value in it is not valid.
     """
-    try:
-        values = tomllib.loads(read_text(Path(path), needed="give a tuning's TOML file"))
-    except ValueError as error:
-        raise ExperimentError(f"{path}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise ExperimentError(f"{path}: {NESTED}") from None
-    beside = Path(path).parent / str(values.get("experiment", ""))
-    if beside.is_file():
-        values["experiment"] = str(beside.resolve())
-    return tuning_of(values, path)
-
-
-def tuning_of(values: dict[str, Any], source: str) -> Tuning:
-    """A tuning of a file's values; keys may stand as `law.beta` with quotes or without.
-
-    Raises:
-        ExperimentError: a value is not valid; the message names `source`.
-    """
-    try:
-        for name in ("keys", "fixed"):
-            if isinstance(table := values.get(name), dict):
-                values = values | {name: dotted(plain(table))}
-    except RecursionError:
-        raise ExperimentError(f"{source}: {NESTED}") from None
-    return validated(Tuning, values, source)
+    return read(Tuning, Path(path), "give a tuning's TOML file")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..text import NOTHING
+from ..text import NOTHING, angle, length
 from .metrics import cycles_to_optimum, reduction, share, tracks
 from .schema import MOTORS
 
@@ -112,6 +112,13 @@ class MotionOfRun:
         """Whether the tool follows its path in each cycle (C,)."""
         joints = None if self.joint_rms is None else (self.joint_rms, self.swing)
         return tracks(self.tracking_rms, self.size, self.rotation_rms, joints)
+
+    @property
+    def off(self) -> str:
+        """How far the last cycle is off: "the tool is 3 mm RMS off its path"."""
+        if self.joint_rms is None:
+            return f"the tool is {length(self.tracking_rms[-1])} RMS off its path"
+        return f"the joints are {angle(self.joint_rms[-1])} RMS off their path"
 
     @property
     def torque_reduction_optimal(self) -> float:

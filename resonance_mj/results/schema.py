@@ -67,14 +67,14 @@ VARIABLES = {
     "offset_optimal": Variable(MOTION_JOINT, "N m", "offset of the optimal springs"),
     "equilibrium_optimal": Variable(MOTION_JOINT, "rad", "q_e of the optimal springs"),
     "stiffness_least": Variable(
-        MOTION_JOINT, "N m/rad", "least that leaves 1 % more of torque_squared_without_springs"
+        MOTION_JOINT, "N m/rad", "least that costs at most 1 % more of what none cost"
     ),
-    "stiffness_most": Variable(MOTION_JOINT, "N m/rad", "greatest that leaves 1 % more of it"),
+    "stiffness_most": Variable(MOTION_JOINT, "N m/rad", "greatest likewise"),
     "torque_squared_optimal": Variable(MOTION, "N^2 m^2", "torque_squared of the optimum"),
     "torque_squared_without_springs": Variable(MOTION, "N^2 m^2", "the same without springs"),
-    "cost": Variable(CYCLE, "1", "what springs.cost says, of the cycle"),
-    "cost_optimal": Variable(MOTION, "1", "cost of the optimum"),
-    "cost_without_springs": Variable(MOTION, "1", "the same without springs"),
+    "cost": Variable(CYCLE, "by springs.cost", "what springs.cost says, of the cycle"),
+    "cost_optimal": Variable(MOTION, "by springs.cost", "cost of the optimum"),
+    "cost_without_springs": Variable(MOTION, "by springs.cost", "the same without springs"),
     "electrical_power": Variable(MOTION, "W", "of all motors, mean of the last whole cycle"),
     "electrical_power_optimal": Variable(MOTION, "W", "electrical_power of the optimum"),
     "electrical_power_without_springs": Variable(MOTION, "W", "the same without springs"),

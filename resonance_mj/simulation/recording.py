@@ -11,6 +11,7 @@ from ..laws.memory import COLUMNS
 from ..plan.passages import extents
 from ..plan.plan import Plan
 from ..results import metrics, schema
+from ..springs.cost import KINDS
 from ..springs.elements import Elements, names
 from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
@@ -255,7 +256,9 @@ class Recording:
         reduced = metrics.reduction(values["torque_squared"], without[segment])
         values |= of_motors(plan, optima, self.last)
         ends = np.cumsum([motion.duration for motion in plan.experiment.motion])
-        transposed = plan.experiment.law.jacobian == "transpose"
+        units = dict.fromkeys(schema.COST, KINDS[plan.experiment.springs.cost].units)
+        if plan.experiment.law.jacobian == "transpose":
+            units["y"] = "m^2/s"
         return schema.dataset(
             values
             | {
@@ -279,7 +282,7 @@ class Recording:
                 "end": ends,
                 "period": np.array([motion.period for motion in plan.experiment.motion]),
             },
-            units={"y": "m^2/s"} if transposed else None,
+            units=units,
             thinned=len(self._kept) < len(self._segment),
         )
 

@@ -194,7 +194,7 @@ def _client(address: str) -> Iterator[Client]:
             )
             url = scheduler.scheduler_address
             for _ in range(int(count)):
-                stack.callback(_ended, _worker(url))
+                stack.callback(end_worker, begin_worker(url))
         else:
             url = address
         try:
@@ -208,7 +208,7 @@ def _client(address: str) -> Iterator[Client]:
         yield client
 
 
-def _worker(url: str) -> subprocess.Popen[bytes]:
+def begin_worker(url: str) -> subprocess.Popen[bytes]:
     """A worker of one thread, which ends with its scheduler, or with its process."""
     command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", url, "--nthreads", "1"]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -216,7 +216,8 @@ def _worker(url: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen([*command, *folder, "--no-dashboard"], **quiet)  # type: ignore[call-overload]
 
 
-def _ended(process: subprocess.Popen[bytes]) -> None:
+def end_worker(process: subprocess.Popen[bytes]) -> None:
+    """End a worker, and wait for it."""
     process.terminate()
     try:
         process.wait(WAIT)

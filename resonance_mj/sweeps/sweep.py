@@ -18,7 +18,7 @@ from ..claim import CLAIM, claimed
 from ..errors import ExperimentError, OutputError, ResonanceError
 from ..experiments.effects import refuse_idle
 from ..experiments.experiment import Experiment
-from ..experiments.sweeping import Sweep, load_sweep, sweep_of
+from ..experiments.sweeping import Sweep, load_sweep, of_values
 from ..files import write
 from ..plan.inputs import gather
 from ..plan.plan import Followed
@@ -95,7 +95,7 @@ def sweep(
     else:
         values: dict[str, Any] = {"experiment": name, "keys": dict(keys), "how": how}
         values |= {"method": method, "seed": seed, "count": count}
-        settings = sweep_of(values, f"sweep of {name}")
+        settings = of_values(Sweep, values, f"sweep of {name}")
     experiments = settings.experiments(base, yes=yes)
     refuse_idle(experiments, settings.keys, f"sweep of {name}")
     with (

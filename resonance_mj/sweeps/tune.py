@@ -7,8 +7,10 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from ..callback.callback import refuse_foreign
@@ -17,10 +19,10 @@ from ..errors import ExperimentError
 from ..experiments.effects import refuse_idle
 from ..experiments.experiment import Experiment
 from ..experiments.loading import load
-from ..experiments.sweeping import Range, sweep_of
-from ..experiments.tuning import Tuning, load_tuning, tuning_of
+from ..experiments.sweeping import Range, Sweep, of_values
+from ..experiments.tuning import Tuning, load_tuning
 from ..files import write
-from ..progress import Asked, progressing
+from ..progress import Asked, Progress, progressing
 from ..text import listed, nearest, shown
 from . import dataset
 from .dataset import Outcome
@@ -107,7 +109,7 @@ def tune(
         goal = {"minimize": minimize, "maximize": maximize}
         values = {"experiment": name, "keys": dict(keys), "trials": trials, "seed": seed, **goal}
         values["constraints"] = dict(constraints or {})
-        settings = tuning_of(values, f"tuning of {name}")
+        settings = of_values(Tuning, values, f"tuning of {name}")
     base = (load(settings.experiment) if base is None else base).replace(settings.fixed)
     _check(settings, base)
     with (
@@ -117,37 +119,50 @@ def tune(
     ):
         if at is not None:
             claim(at, settings.model_dump(mode="json", by_alias=True), [base])
-        points: list[dict[str, Any]] = []
-        outcomes: list[Outcome] = []
-        made, followed = Made(), dict[Any, Any]()
-        while len(points) < settings.trials:
-            count = min(SHARD, settings.trials - len(points))
-            asked = [study.ask(_distributions(settings)) for _ in range(count)]
-            batch = [_values(settings, trial.params) for trial in asked]
-            shard, refused = _valid(base, batch)
-            name = made.name(shard)
-            kept = None if at is None else dataset.read(at / "shards" / name)
-            if kept is None:
-                kept = simulated(shard, threads, followed)
-                if at is not None:
-                    write(at / "shards", {name: dataset.written(kept)})
-            simulations = iter(kept)
-            kept = [refused[i] if i in refused else next(simulations) for i in range(count)]
-            for trial, outcome in zip(asked, kept, strict=True):
-                for at_end, value in beyond(settings, outcome).items():
-                    trial.set_constraint(at_end, value)
-                study.tell(trial, objective(settings, outcome))
-            if len(followed) > REMEMBERED:
-                followed.clear()
-            points += batch
-            outcomes += kept
-            show(len(points), settings.trials, sum(one.status != "ok" for one in outcomes))
+        points, outcomes = _tried(settings, base, study, at, threads, show)
         found = _found(settings, base, points, outcomes)
         if at is not None:
             finished(at, _as_sweep(settings, points), outcomes, found.data)
             if found.keys:
                 write(at, {BEST: found.experiment.to_toml().encode()})
     return found
+
+
+def _tried(
+    settings: Tuning,
+    base: Experiment,
+    study: Study,
+    folder: Path | None,
+    threads: int,
+    progress: Progress,
+) -> tuple[list[dict[str, Any]], list[Outcome]]:
+    """The trials that a study asks for, batch by batch, and what came of each."""
+    points: list[dict[str, Any]] = []
+    outcomes: list[Outcome] = []
+    made, followed = Made(), dict[Any, Any]()
+    while len(points) < settings.trials:
+        count = min(SHARD, settings.trials - len(points))
+        asked = [study.ask(_distributions(settings)) for _ in range(count)]
+        batch = [_values(settings, trial.params) for trial in asked]
+        shard, refused = _valid(base, batch)
+        name = made.name(shard)
+        kept = None if folder is None else dataset.read(folder / "shards" / name)
+        if kept is None:
+            kept = simulated(shard, threads, followed)
+            if folder is not None:
+                write(folder / "shards", {name: dataset.written(kept)})
+        simulations = iter(kept)
+        kept = [refused[i] if i in refused else next(simulations) for i in range(count)]
+        for trial, outcome in zip(asked, kept, strict=True):
+            for at_end, value in beyond(settings, outcome).items():
+                trial.set_constraint(at_end, value)
+            study.tell(trial, objective(settings, outcome))
+        if len(followed) > REMEMBERED:
+            followed.clear()
+        points += batch
+        outcomes += kept
+        progress(len(points), settings.trials, sum(one.status != "ok" for one in outcomes))
+    return points, outcomes
 
 
 def _check(settings: Tuning, base: Experiment) -> None:
@@ -213,11 +228,11 @@ def _distributions(settings: Tuning) -> dict[str, BaseDistribution]:
 
     found: dict[str, BaseDistribution] = {}
     for key, given in settings.keys.items():
-        if isinstance(given, Range) and given.count is None:
+        among = _listed(given)
+        if isinstance(given, Range) and among is None:
             found[key] = FloatDistribution(given.start, given.stop, log=given.scale == "log")
         else:  # by place: a value may be a list
-            count = given.count if isinstance(given, Range) else len(given)
-            found[key] = CategoricalDistribution(list(range(count or 1)))
+            found[key] = CategoricalDistribution(list(range(len(among or ()))))
     return found
 
 
@@ -225,27 +240,23 @@ def _values(settings: Tuning, params: Mapping[str, Any]) -> dict[str, Any]:
     """Values of the keys, with twelve digits."""
     found: dict[str, Any] = {}
     for key, given in settings.keys.items():
-        if isinstance(given, Range) and given.count is None:
-            found[key] = float(f"{params[key]:.12g}")
-        elif isinstance(given, Range):
-            steps = max(1, (given.count or 1) - 1)
-            found[key] = given.at(_share(params[key] / steps))[0]
-        else:
-            found[key] = given[params[key]]
+        among = _listed(given)
+        found[key] = float(f"{params[key]:.12g}") if among is None else among[params[key]]
     return found
 
 
-def _share(value: float) -> Any:
-    import numpy as np
+def _listed(given: Range | list[Any]) -> list[Any] | None:
+    """The values among which one is looked for; None for all of a range."""
+    if isinstance(given, list):
+        return given
+    return None if given.count is None else given.at(np.linspace(0.0, 1.0, given.count))
 
-    return np.array([value])
 
-
-def _as_sweep(settings: Tuning, points: Sequence[Mapping[str, Any]]) -> Any:
+def _as_sweep(settings: Tuning, points: Sequence[Mapping[str, Any]]) -> Sweep:
     """The trials as a sweep that has them all."""
     keys = {key: [point[key] for point in points] for key in settings.keys}
     values = {"experiment": settings.experiment, "how": "zip", "keys": keys}
-    return sweep_of(values | {"fixed": settings.fixed}, f"tuning of {settings.experiment}")
+    return of_values(Sweep, values | {"fixed": settings.fixed}, f"tuning of {settings.experiment}")
 
 
 def _found(

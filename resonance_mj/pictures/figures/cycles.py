@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from ...experiments.experiment import Experiment
 from ...results.metrics import LEAST_REDUCTION, OPTIMUM_BAND
 from ...results.run import Run, Status
-from ...text import length
 from ..palette import DESIRED, MUTED, OPTIMAL
 from .sheet import Row, Sheet, fitting, heading
 from .style import BAND, LABEL_BOX, LINES, Line, remark, small
@@ -141,8 +140,7 @@ def _reductions(ax: Axes, run: Run) -> None:
         share, best = float(motion.reduction[-1]), motion.reduction_optimal
         of = f"optimum {best:.1%} less" if best > LEAST_REDUCTION else "no spring helps"
         if not motion.tracks[-1]:
-            off = f"RMS {length(motion.tracking_rms[-1])}"
-            wordings = [f"the tool is off its path ({off})", f"off its path ({off})", "off path"]
+            wordings = [motion.off, "off path"]
         elif np.isnan(share):
             wordings = ["needs no torque without springs", "needs no torque"]
         elif share < 0:

@@ -197,8 +197,8 @@ class Content:
             much, kind = each.against
             where = f" in motion {each.number}" * (len(self.motions) > 1)
             if not each.tracks:
-                off = length(each.last["tracking_rms"])
-                said += f"The tool is {off} RMS off its path{where}: its torque is of another one. "
+                off = run.motions[each.number - 1].off
+                said += f"{off[0].upper()}{off[1:]}{where}: its torque is of another one. "
                 continue
             needed.append(
                 (f"{much} {kind} {run.cost.name}" if kind else "torque where none is due") + where
