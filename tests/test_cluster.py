@@ -83,7 +83,7 @@ def test_what_a_cluster_began_goes_on_without_it(here, workers, tmp_path):
     assert counts == [16, 32, 48]
 
 
-def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path):
+def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path, caplog):
     address = f"tcp://127.0.0.1:{8700 + os.getpid() % 1000}"
     began = [sys.executable, "-P", "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -102,6 +102,7 @@ def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path):
         scheduler.kill()
         scheduler.wait()
         cluster.end_worker(worker)
+    assert caplog.records == []  # Dask prints a traceback of its own
     assert alike(sweep(folder=tmp_path / "out"), here)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import subprocess
 import sys
 import tempfile
@@ -181,6 +182,7 @@ def _client(address: str) -> Iterator[Client]:
     from distributed import Client, LocalCluster
 
     with ExitStack() as stack:
+        stack.enter_context(_silent())
         place, _, count = address.partition(":")
         if place == "local":
             if not (count.isdecimal() and 0 < int(count) <= 1024):
@@ -206,6 +208,20 @@ def _client(address: str) -> Iterator[Client]:
                 f"{cut(str(error) or type(error).__name__, 200)}; the address is like tcp://host:8786"
             ) from None
         yield client
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep Dask's own words from the screen: what goes wrong is said in one line."""
+    every = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    before = {name: logging.getLogger(name).level for name in ("distributed", *every)}
+    for name in before:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
 
 
 def begin_worker(url: str) -> subprocess.Popen[bytes]:
