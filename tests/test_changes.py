@@ -169,3 +169,98 @@ def test_a_payload_that_is_none_is_refused_in_one_line(mass):
     message = str(caught.value)
     assert "motion.0.payload" in message
     assert "\n" not in message
+
+
+# What is picked up and put down within a cycle
+
+PICKED = {"payload": [[0.2, 0.7, 1.5]]}
+
+
+def test_the_torque_of_a_part_is_that_of_its_load():
+    carried, light, heavy = (plan_for(arm({"payload": load})).needed(0) for load in (
+        PICKED["payload"], 0.0, 1.5
+    ))  # fmt: skip
+    meanwhile = slice(200, 700)
+    np.testing.assert_array_equal(carried[meanwhile], heavy[meanwhile])
+    np.testing.assert_array_equal(np.delete(carried, meanwhile, 0), np.delete(light, meanwhile, 0))
+
+
+def test_a_whole_cycle_s_part_is_a_payload_and_a_part_may_go_on_into_the_next_cycle():
+    short = {"duration": 3.0}
+    number = rmj.simulate(arm(short | {"payload": 1.5})).data
+    whole = rmj.simulate(arm(short | {"payload": [[0.0, 1.0, 1.5]]})).data
+    np.testing.assert_array_equal(whole["tau"], number["tau"])
+    split = rmj.simulate(arm(short | {"payload": [[0.0, 0.25, 1.5], [0.75, 1.0, 1.5]]})).data
+    wrapped = rmj.simulate(arm(short | {"payload": [[0.75, 1.25, 1.5]]})).data
+    np.testing.assert_array_equal(wrapped["tau"], split["tau"])
+    assert np.abs(wrapped["tau"] - number["tau"]).max() > 1.0
+
+
+def test_springs_come_to_their_optimum_and_the_motors_bear_what_changes_at_once():
+    run = rmj.simulate(arm(PICKED))
+    assert run.status is rmj.Status.OK
+    (motion,) = run.motions
+    # The optimum is of the motion desired; where the load changes, the arm gives way a little.
+    assert motion.share[-1] == pytest.approx(1.0, abs=3e-3)
+    assert motion.tracking_rms[-1] < 2e-3
+    # An independent look at what was recorded: (1) with the load of the moment, between the
+    # steps at which it changes.
+    plan = plan_for(run.experiment)
+    last = {name: run.data[name].values[-1000:] for name in ("q", "dq", "tau")}
+    ddq = np.gradient(last["dq"], 1e-3, axis=0)
+    made = JointMotion(last["q"], last["dq"], ddq)
+    exerted = last["tau"] + spring_torque(run)[-1000:]
+    for mass, part in ((0.0, slice(10, 190)), (1.5, slice(210, 690)), (0.0, slice(710, 990))):
+        needed = Kinematics(plan.robot.carrying(mass)).torque(made)
+        np.testing.assert_allclose(exerted[part], needed[part], atol=0.02 * np.ptp(needed))
+
+
+def test_batches_pick_up_and_put_down_at_times_of_their_own():
+    loads = ([[0.2, 0.7, 1.5]], [[0.2, 0.7, 0.5]], [[0.1, 0.4, 1.0], [0.5, 0.9, 2.0]], 1.0)
+    experiments = [arm({"duration": 3.0, "payload": load}) for load in loads]
+    for experiment, run in zip(experiments, rmj.simulate_many(experiments), strict=True):
+        alone = rmj.simulate(experiment)
+        np.testing.assert_array_equal(run.data["tau"], alone.data["tau"])
+
+
+def test_friction_rubs_whatever_is_carried():
+    bare, rubbing = (
+        plan_for(arm(PICKED, **({"reality.friction": 0.1} if rubs else {}))).needed(0)
+        for rubs in (False, True)
+    )
+    more = np.abs(rubbing - bare).max(axis=0)
+    np.testing.assert_allclose(more, 0.1 * np.abs(bare).max(axis=0), rtol=1e-6)
+
+
+def test_a_run_that_picks_up_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path):
+    experiment, cycles = arm(PICKED | {"duration": 6.0}), []
+    whole = rmj.simulate(experiment)
+
+    def stop():
+        cycles.append(0)
+        return len(cycles) == 3
+
+    rmj.simulate(experiment, stop=stop).save(tmp_path / "run")
+    resumed = rmj.simulate(experiment, resume=rmj.Run.load(tmp_path / "run"))
+    assert resumed.data.equals(whole.data)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ([[0.2, 0.7]], ["rows of three numbers"]),
+        ([0.2, 0.7, 1.0], ["rows of three numbers"]),
+        ([[0.7, 0.2, 1.0]], ["from 0.7 to 0.2 s"]),
+        ([[1.0, 1.5, 1.0]], ["from 1 to 1.5 s", "period of 1 s"]),
+        ([[0.2, 1.3, 1.0]], ["at most a period later"]),
+        ([[0.2, 0.7, -1.0]], ["-1 kg"]),
+        ([[0.2, 0.7, 1.0], [0.6, 0.9, 1.0]], ["put down at 0.7 s", "picked up at 0.6 s"]),
+        ([[0.2, 0.7, 1.0], [0.8, 1.3, 1.0]], ["put down at 1.3 s", "picked up at 1.2 s"]),
+    ],
+)
+def test_parts_that_are_none_are_refused_in_one_line(load, words):
+    with pytest.raises(rmj.ResonanceError) as caught:
+        arm({"payload": load})
+    message = str(caught.value)
+    assert all(word in message for word in ["motion.0", *words]), message
+    assert "\n" not in message

@@ -163,9 +163,10 @@ def test_payloads_and_passages_are_watched_as_they_are_simulated(pretended):
         f"motion.{i}.duration": motion.period * (motion.passage + 2)
         for i, motion in enumerate(experiment.motion)
     }
-    experiment = experiment.replace(cycles)
+    experiment = experiment.replace(cycles | {"motion.2.payload": [[0.1, 0.5, 1.0]]})
     one = plan_for(experiment)
     assert one.robot.payload is not None
+    assert len(one.parts(2)) == 3
     assert one.passages
     assert live(one, 5.0).data.equals(rmj.simulate(experiment).data)
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ..text import listed
 from .sections import Alone, Finite, Name, Numbers, Positive, Rows, Section
@@ -34,9 +34,10 @@ class Motion(Section):
     frame: Literal["world", "base", "tool"] = "world"
     """Whose axes and origin the motion's positions are given in: world, base: of the body that
     carries the first joint, or tool: of the tool at home. Rotations are about the world's axes."""
-    payload: Annotated[Finite, Field(ge=0)] = 0.0
-    """Mass that the tool carries during this motion, as a point at the tool [kg]; laws are not told
-    of it, and computed-torque knows it."""
+    payload: Finite | Rows = 0.0
+    """Mass that the tool carries, as a point at the tool [kg]: a number for the whole cycle, or for
+    parts of it rows of when it is picked up and put down [s] and its mass; laws are not told of it,
+    and computed-torque knows it."""
     blend: Annotated[int, Field(ge=0, le=1000)] | None = None
     """Cycles in which the arm passes over into this motion, 0 for a jump, from 4 on with learning
     on the way; 1, or with the law transfer 12 where motors are too weak to make the motion without
@@ -78,6 +79,22 @@ class Motion(Section):
     rotation_cos: Rows = ()
     """Amplitudes of the cosines of the rotation vector [rad], as rotation_sin."""
 
+    @field_validator("payload")
+    @classmethod
+    def _is_carried(cls, payload: float | tuple[tuple[float, ...], ...]) -> Any:
+        if isinstance(payload, float):
+            masses = [payload]
+        elif lengths := [len(row) for row in payload if len(row) != 3]:
+            raise ValueError(
+                "valid are a mass [kg] and rows of three numbers, when it is picked up and put "
+                f"down [s] and its mass [kg]; there is a row of {lengths[0]}"
+            )
+        else:
+            masses = [mass for *_, mass in payload]
+        if min(masses, default=0.0) < 0:
+            raise ValueError(f"{min(masses):g} kg: a mass is 0 kg or more")
+        return payload
+
     @model_validator(mode="after")
     def _fits_its_shape(self) -> Motion:
         own = _KEYS_OF_SHAPE[self.shape]
@@ -99,6 +116,8 @@ class Motion(Section):
             )
         if self.shape == "points":
             self._stops()
+        if not isinstance(self.payload, float):
+            self._parts(self.payload)
         numbers = len(self.offset or ())
         for name in ("rotation_sin", "rotation_cos", "sin", "cos"):
             rows = len(getattr(self, name))
@@ -131,6 +150,38 @@ class Motion(Section):
         left = self.period - rests.sum()
         moves = np.array(self.moves) if self.moves else np.full(count, left / count)
         return rests, moves
+
+    def carried(self, steps: int) -> np.ndarray:
+        """Mass that the tool carries in each of the time steps of a cycle (steps,) [kg]."""
+        masses = np.zeros(steps)
+        if isinstance(self.payload, float):
+            return masses + self.payload
+        for begin, end, mass in self.payload:
+            first, last = (round(time / self.period * steps) for time in (begin, end))
+            masses[np.arange(first, last) % steps] = mass
+        return masses
+
+    @property
+    def carries(self) -> bool:
+        """Whether the tool carries anything, at any time."""
+        return self.payload not in (0.0, ())
+
+    def _parts(self, rows: tuple[tuple[float, ...], ...]) -> None:
+        """Raise where the parts of a cycle in which something is carried are none."""
+        for begin, end, _ in rows:
+            if not (0 <= begin < self.period and begin < end <= begin + self.period):
+                raise ValueError(
+                    f"payload: from {begin:g} to {end:g} s: it is picked up within the period of "
+                    f"{self.period:g} s, and put down later, at most a period later"
+                )
+        in_order = sorted(rows)
+        following = [*in_order[1:], (in_order[0][0] + self.period, 0.0, 0.0)] if rows else []
+        for (_, end, _), (begin, *_) in zip(in_order, following, strict=True):
+            if end > begin:
+                raise ValueError(
+                    f"payload: something is put down at {end:g} s, after the next is picked up at "
+                    f"{begin:g} s"
+                )
 
     def _stops(self) -> None:
         """Raise where points, rests and moves do not fit each other and the period."""

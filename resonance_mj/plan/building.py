@@ -23,7 +23,7 @@ def built(experiment: Experiment, followed: Followed | None) -> Robot:
 
     if followed is None:
         return build(experiment, room)
-    carries = any(motion.payload > 0 for motion in experiment.motion)
+    carries = any(motion.carries for motion in experiment.motion)
     how = experiment.simulation.model_copy(update={"samples": None})
     springs = repr(experiment.springs)
     most = experiment.reality.motor_torque

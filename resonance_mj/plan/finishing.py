@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -12,6 +11,7 @@ import numpy as np
 
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
+from ..motions import carrying
 from ..motions.kinematics import JointMotion, Kinematics
 from ..springs.cost import Cost
 from ..text import Note, joined
@@ -90,10 +90,5 @@ def rubbing(
         return loaded
     torques = [one.torque(joint) for one, joint in zip(loaded, joints(), strict=True)]
     friction = share * np.max([np.abs(torque).max(axis=0) for torque in torques], axis=0)
-    found: dict[int, Kinematics] = {}
-    for one in loaded:
-        if id(one) not in found:
-            robot, model = one.robot, copy.copy(one.robot.model)
-            model.dof_frictionloss[robot.dof_address] += friction
-            found[id(one)] = Kinematics(replace(robot, model=model))
-    return [found[id(one)] for one in loaded]
+    rubbed = {one: carrying.rubbing(one, friction) for one in dict.fromkeys(loaded)}
+    return [rubbed[one] for one in loaded]

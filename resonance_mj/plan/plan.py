@@ -15,7 +15,7 @@ from ..laws import laws
 from ..laws.gains import Gains, gains
 from ..laws.laws import Law
 from ..laws.memory import Layout, layout_of
-from ..motions import default_motion
+from ..motions import carrying, default_motion
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
@@ -138,6 +138,10 @@ class Plan:
     def steps(self, segment: int) -> int:
         """Time steps in a cycle of a motion."""
         return self.experiment.motion[segment].steps(self.experiment.simulation.timestep)
+
+    def parts(self, segment: int) -> list[tuple[int, Robot]]:
+        """Time steps of each part of a cycle of a motion, and the robot with what it carries."""
+        return carrying.parts(self.loaded[segment], self.steps(segment))
 
     def blending(self, cycle: int) -> int | None:
         """Which cycle of the passage into its motion a cycle of the run is, None for no passage."""
@@ -266,14 +270,11 @@ def plan_for(
     robot = replace(robot, notes=tuple(said))
     if left is not None:
         experiment = without_passage(experiment, left.motion)
-    by_payload = {0.0: unloaded}
-    for payload in {motion.payload for motion in experiment.motion} - {0.0}:
-        by_payload[payload] = Kinematics(robot.carrying(payload))
     plan = Plan(
         experiment=experiment,
         robot=robot,
         kinematics=unloaded,
-        loaded=[by_payload[motion.payload] for motion in experiment.motion],
+        loaded=carrying.loaded(experiment, unloaded),
         law=law,
         gains=chosen,
         left=left,

@@ -202,7 +202,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         n = len(joints)
         dofs = n + len(arm.followers.joint)
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), dofs)
-        carries = any(motion.payload > 0 for motion in experiment.motion)
+        carries = any(motion.carries for motion in experiment.motion)
         load = payload.add(spec, arm.site, arm.point) if carries else None
         elements = elastic.elements(experiment.springs, arm, home)
         elastic.add(spec, elements, joints)

@@ -92,20 +92,16 @@ class Member:
             raise ExperimentError(DAMAGED)
         self._others = self._others._replace(parameters=parameters)
         done = run.data.sizes["cycle"]
-        last = self.plan.schedule[done - 1]
-        self._stepper.models[self._index] = self.plan.loaded[last].robot.model
         self._passing = self.plan.blending(done - 1) is not None
         self._steps = run.steps
         self._recording.restore(run.data)
 
     def begin_cycle(self, cycle: int) -> None:
-        """Set the load, the tables and the springs of a cycle of the run."""
-        plan, index, model = self.plan, self._index, self._stepper.models
+        """Set the tables, the load and the springs of a cycle of the run."""
+        plan, index = self.plan, self._index
         segment = plan.schedule[cycle]
         begins = cycle == 0 or segment != plan.schedule[cycle - 1]
         passed, self._passing = self._passing, plan.blending(cycle) is not None
-        if begins:
-            model[index] = plan.loaded[segment].robot.model
         if begins:
             dt = plan.experiment.simulation.timestep
             if self._listens:
@@ -115,11 +111,16 @@ class Member:
             load_motion(self._memory, index, plan, cycle)
             if "springs" in plan.law.told:
                 self._others = plan.optima[segment].springs.others
-        elastic.write(model[index], self._others)
         load_noise(self._memory, index, plan, cycle)
-        controller.write_springs(
-            self._memory.block(index), model[index].jnt_stiffness, model[index].qpos_spring
-        )
+        self.carry(cycle, 0)
+
+    def carry(self, cycle: int, part: int) -> None:
+        """Have the load of a part of a cycle at the tool, and the springs as they are now."""
+        _, robot = self.plan.parts(self.plan.schedule[cycle])[part]
+        self._stepper.models[self._index] = model = robot.model
+        elastic.write(model, self._others)
+        block = self._memory.block(self._index)
+        controller.write_springs(block, model.jnt_stiffness, model.qpos_spring)
 
     def end_cycle(self, cycle: int) -> None:
         """Record a cycle, see how it ended, and learn from it what the next one does.

@@ -240,7 +240,10 @@ def simulate_plans(
                 members[i].begin_cycle(cycle)
             memory.scalar("step")[:] = 0
             began = time.perf_counter()
-            stepper.step(going, first.steps(segment))
+            for part, (steps, _) in enumerate(first.parts(segment)):
+                for i in going if part else ():
+                    members[i].carry(cycle, part)
+                stepper.step(going, steps)
             wall += time.perf_counter() - began
             for i in going:
                 members[i].end_cycle(cycle)
@@ -266,6 +269,7 @@ def _fits_with(plan: Plan) -> tuple[object, ...]:
     robot, motion = plan.experiment.robot, plan.experiment.motion
     arm = robot.mjcf, robot.tool, robot.arm, robot.joints, plan.robot.payload
     how = plan.experiment.simulation.integrator, plan.law.command, plan.layout
-    cycles = tuple((one.blend, plan.steps(i)) for i, one in enumerate(motion))
+    parts = [tuple(steps for steps, _ in plan.parts(i)) for i in range(len(motion))]
+    cycles = tuple((one.blend, *part) for one, part in zip(motion, parts, strict=True))
     of = plan.experiment.springs.element, plan.experiment.task
     return (*arm, *of, *how, cycles, tuple(plan.schedule))

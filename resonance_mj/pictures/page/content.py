@@ -113,7 +113,7 @@ class Content:
             last["equilibrium"] = angles[-1].tolist() if last["cycles"] else None
             last["equilibrium_optimal"] = motion.equilibrium_optimal.tolist()
             about = f"{asked.shape}, {asked.cycles} cycles of {duration(asked.period)}"
-            carried = f", payload {asked.payload:g} kg" if asked.payload else ""
+            carried = "".join(f", {load}" for load in _loads(asked.payload))
             tracks = bool(motion.tracks[-1:].any())
             # What the page speaks of is the cost that was asked for.
             last["reduction"] = last.get("cost_reduction", last["torque_reduction"])
@@ -244,3 +244,10 @@ def differences(runs: Sequence[Run]) -> dict[str, list[str]]:
     keys = dict.fromkeys(key for table in tables for key in table)
     rows = {key: [written(table.get(key)) for table in tables] for key in keys}
     return {key: values for key, values in rows.items() if len(set(values)) > 1}
+
+
+def _loads(payload: float | tuple[tuple[float, ...], ...]) -> list[str]:
+    """What a tool carries, and when."""
+    if isinstance(payload, float):
+        return [f"payload {payload:g} kg"] if payload else []
+    return [f"payload {mass:g} kg from {begin:g} to {end:g} s" for begin, end, mass in payload]

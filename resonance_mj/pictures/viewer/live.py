@@ -52,7 +52,7 @@ class Watched(Alone):
         self._memory = Memory(self.userdata, plan.layout)
         # The cycle that is simulated, as it is planned until then, behind the one before it.
         self._shown, self._scale = planned(plan, 0), expected(plan, 0)
-        self._cycle = self._taken = self._begin = self._filled = 0
+        self._cycle = self._done = self._taken = self._begin = self._filled = 0
         # A payload's body is one that the window's copy of the arm does not have.
         bodies = np.arange(models[0].nbody)
         self._bodies = bodies[bodies != plan.robot.payload]
@@ -62,29 +62,31 @@ class Watched(Alone):
         return simulate_plans([self._plan], lambda models: self)[0]
 
     def step(self, robots: list[int], steps: int) -> None:
-        """Advance the robot by a cycle of so many time steps.
+        """Advance the robot by so many time steps of a cycle.
 
         Raises:
             Closed: the window was closed.
             Restarted: the user wants the run from its beginning.
         """
-        if self._cycle:
+        whole = self._plan.steps(self._plan.schedule[self._cycle])
+        if self._cycle and not self._done:
             self._go_on()
-        done = 0
-        while done < steps:
-            failed = self._recorded(steps) < steps
+        end = self._done + steps
+        while self._done < end:
+            failed = self._recorded(whole) < whole
             due = steps if failed else self._clock.steps(self._dt) - self._taken
-            some = min(due, steps - done, PORTION)
+            some = min(due, end - self._done, PORTION)
             if some > 0:
                 super().step(robots, some)
-                done, self._taken = done + some, self._taken + some
+                self._done, self._taken = self._done + some, self._taken + some
             if some <= 0 or self._window.late:
-                self._fill(min(done, self._recorded(steps)))
+                self._fill(min(self._done, self._recorded(whole)))
                 self.show()
                 if due * self._dt > BEHIND * self._clock.speed:
                     self._clock.go_on_at(self._taken * self._dt)
-        self._fill(self._recorded(steps))
-        self._cycle += 1
+        if end == whole:
+            self._fill(self._recorded(whole))
+            self._cycle, self._done = self._cycle + 1, 0
 
     def show(self, state: str = "") -> None:
         """Show the last sample, and wait for the next frame; `state` is what the line adds."""
