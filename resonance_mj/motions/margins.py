@@ -154,9 +154,8 @@ def nearness(kinematics: Kinematics, q: np.ndarray) -> float:
 
 def jerk(kinematics: Kinematics, joints: JointMotion) -> Jerk | None:
     """The joint whose acceleration stands out most near a singular pose; None if none does."""
-    ratio = nearness(kinematics, joints.q)
     peak, usual = np.abs(joints.ddq).max(axis=0), np.sqrt((joints.ddq**2).mean(axis=0))
     j = int(np.argmax(peak - SUDDEN * usual))
-    if ratio >= NEAR_SINGULAR or peak[j] <= SUDDEN * usual[j]:
+    if peak[j] <= SUDDEN * usual[j] or (ratio := nearness(kinematics, joints.q)) >= NEAR_SINGULAR:
         return None
     return Jerk(ratio, j, float(peak[j] / usual[j]))
