@@ -1,26 +1,32 @@
 """Imperfections of a real arm are what they say, and the law finds its optimum in spite of them."""
 
 import json
+import runpy
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import resonance_mj as rmj
 from resonance_mj.errors import ResonanceError
+from resonance_mj.experiments.loading import for_robot
 from resonance_mj.experiments.reality_section import PRESETS
+from resonance_mj.motions.motion import sample
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.results.cycles import kept
 from resonance_mj.springs.fit import LinearSprings, fit
 
+ARMS = Path(__file__).parents[1] / "benchmarks" / "random_arms.py"
+
 DEFAULTS = {
-    "motion.0.blend": 1,
-    "motion.1.blend": 1,
+    "motion.0.blend": None,
+    "motion.1.blend": None,
     "law": {},
     "law.kind": "transfer",
 }
-"""The paper's arm and motions with default gains and the passage from rest."""
+"""The paper's arm and motions with default gains and passages."""
 
 
 def arm(reality, name="two-link-transfer", cycles=60, **changes):
@@ -149,6 +155,7 @@ ROWS = {
     "delay of 10 ms": ({"measurement_delay": 0.01}, 0.99, 0.90),
     "torque 10 ms late": ({"torque_delay": 0.01}, 0.99, 0.90),
     "cheap": ("cheap", 0.99, 0.95),
+    "control at 100 Hz": ({"control_period": 0.01}, 0.99, 0.95),
 }
 """What the arm has, the least share found, and the least reduction of what is possible."""
 
@@ -157,8 +164,7 @@ ROWS = {
 @pytest.mark.parametrize("row", ROWS)
 def test_the_law_finds_the_springs_of_a_real_arm_and_its_motors_give_little_more(row, name):
     reality, least_share, least_reduction = ROWS[row]
-    slowly = {"motion.0.blend": 12, "motion.1.blend": 12} if name == "two-link-transfer" else {}
-    run = rmj.simulate(arm(reality, name, **(slowly if row == "cheap" else {})))
+    run = rmj.simulate(arm(reality, name))
     for index, motion in enumerate(run.motions):
         if name == "two-link-transfer":
             assert share(run, index) >= least_share
@@ -298,3 +304,69 @@ def test_what_reality_cannot_be_is_refused_in_one_line(reality, says):
         rmj.optimum(arm(reality))
     assert says in str(error.value)
     assert "\n" not in str(error.value)
+
+
+# What a late loop bears
+
+
+def test_feedback_of_a_late_loop_is_as_strong_as_asked_in_the_mean_over_the_motion(tmp_path):
+    """M̂ is the M whose inverse is the mean of M⁻¹: that of M⁻¹ M̂ along the motion is 1."""
+    (tmp_path / "arm.xml").write_text(runpy.run_path(str(ARMS))["mjcf"](np.random.default_rng(7)))
+    light = for_robot(str(tmp_path / "arm.xml"))
+    plan, ideal = plan_for(light.replace({"reality": "lab"})), plan_for(light)
+    M = [plan.kinematics.inertia(q) for q in along(plan)]
+    strength, before = (
+        np.linalg.solve(M, np.broadcast_to(one.gains.inertia, (len(M), 7, 7)))
+        for one in (plan, ideal)
+    )
+    np.testing.assert_allclose(strength.mean(axis=0), np.eye(7), atol=1e-9)
+    np.testing.assert_array_equal(ideal.gains.inertia, ideal.robot.inertia)
+    strongest, usual = (np.linalg.eigvals(each).real.max() for each in (strength, before))
+    assert strongest < 0.5 * usual
+
+
+def along(plan):
+    """Joint angles with the tool at sixteen points of its path, each the nearest to the last."""
+    (motion,) = plan.experiment.motion
+    points = sample(motion, 48, plan.robot).x
+    q, found = plan.kinematics.solve(points.mean(axis=0), plan.robot.home), []
+    for x in points[::3]:
+        q = plan.kinematics.solve(x, q)
+        found.append(q)
+    return found
+
+
+@pytest.mark.parametrize("number", [7, 20])
+def test_arms_that_are_light_in_some_pose_come_to_their_optimum_in_a_laboratory(number, tmp_path):
+    """Seven joints about random axes, whose M⁻¹ M(home) goes up to 13 along the motion."""
+    text = runpy.run_path(str(ARMS))["mjcf"](np.random.default_rng(number))
+    (tmp_path / "arm.xml").write_text(text)
+    run = rmj.simulate(
+        for_robot(str(tmp_path / "arm.xml")).replace({"motion.0.duration": 40.0, "reality": "lab"})
+    )
+    assert run.status is rmj.Status.OK, run.message
+    assert run.motions[0].share[-1] > 0.99
+
+
+def test_a_motion_that_follows_another_grows_where_the_loop_is_late():
+    def passages(**changes):
+        return [one.blend for one in plan_for(arm({}, **changes)).experiment.motion]
+
+    assert passages() == [1, 1]
+    for key in ("encoder_noise", "measurement_delay", "control_period"):
+        assert passages(**{f"reality.{key}": 0.002}) == [1, 12], key
+    assert passages(**{"reality.friction": 0.1}) == [1, 1]
+    late = {"reality.torque_delay": 0.002}
+    assert passages(**late, **{"motion.1.blend": 1}) == [1, 1]
+    assert passages(**late, **{"law.kind": "feedback"}) == [1, 1]
+    assert passages(**late, **{"motion.1.duration": 8.0}) == [1, 4]
+    run = rmj.simulate(arm("lab", cycles=24))
+    away = run.motions[1].tracking_rms
+    assert away.max() < 0.1 * run.motions[1].size
+    # And one that goes on from a run of another motion.
+    first, second = (
+        arm("lab", cycles=24).replace({"motion": [one.model_dump(exclude_unset=True)]})
+        for one in rmj.load("two-link-transfer").replace(DEFAULTS).motion
+    )
+    after = rmj.simulate(second, after=rmj.simulate(first))
+    assert after.experiment.motion[0].blend == 12

@@ -41,7 +41,7 @@ class Motion(Section):
     blend: Annotated[int, Field(ge=0, le=1000)] | None = None
     """Cycles in which the arm passes over into this motion, 0 for a jump, from 4 on with learning
     on the way; 1, or with the law transfer 12 where motors are too weak to make the motion without
-    springs, if not given."""
+    springs, or where one motion follows another and the loop is late or noisy, if not given."""
     center: Numbers | None = None
     """Middle of an ellipse, line, eight or polygon [m], one per position coordinate; where the tool
     is at home if not given."""

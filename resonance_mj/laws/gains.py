@@ -44,7 +44,7 @@ class Gains:
         feedback: G of the feedback -G y, or -G Δq̇ in joint space (n, n) [N m s/rad].
         feedback_p: G_p of the feedback -G_p s(Δq) in joint space (n, n) [N m/rad].
         omega: bandwidth ω of the inertial feedback [1/s].
-        inertia: M̂ of it, at home or where the motions are (n, n) [kg m^2].
+        inertia: M̂ of it, at home, in the middle of the motions or along them (n, n) [kg m^2].
         alpha: weight of the position error in (8) [1/s].
         alpha_0: weight of the posture's error in its null space [1/s].
         learning: what is learned from y (n, n) [N m s/rad].
@@ -72,7 +72,7 @@ class Gains:
 
 
 def gains(
-    experiment: Experiment, kinematics: Kinematics, middles: Sequence[np.ndarray] = ()
+    experiment: Experiment, kinematics: Kinematics, poses: Sequence[np.ndarray] = ()
 ) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
@@ -83,12 +83,12 @@ def gains(
     Args:
         experiment: gives law, time step and motions.
         kinematics: of the robot.
-        middles: joint angles (n,) in the middle of the motions, where those are not about home; M̂
-            is the mean of M there, and else M(q_home).
+        poses: joint angles (n,) in the middle of the motions, where those are not about home, or
+            along them where the loop is late or noisy; else M̂ is M(q_home).
     """
     law, robot = experiment.law, kinematics.robot
     n, m = robot.n, robot.m
-    M = np.mean([kinematics.inertia(q) for q in middles], axis=0) if middles else robot.inertia
+    M = _mean_inertia(experiment, kinematics, poses) if poses else robot.inertia
     dt = experiment.simulation.timestep
     by_hand = not robot.joint_space and (law.k_v is not None or law.k_p is not None)
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
@@ -134,6 +134,20 @@ def gains(
             experiment.springs, robot.joints, robot.elements, f"experiment {experiment.name!r}"
         ),
     )
+
+
+def _mean_inertia(
+    experiment: Experiment, kinematics: Kinematics, poses: Sequence[np.ndarray]
+) -> np.ndarray:
+    """M̂ of some poses (n, n) [kg m^2]: the mean of M, or of a late loop the inverse of that of M⁻¹.
+
+    By the latter the feedback is as strong on average as ω says, and nowhere many times stronger: a
+    pose where some way to move is light has an M⁻¹ that counts. A loop that is late bears no more.
+    """
+    M = np.array([kinematics.inertia(q) for q in poses])
+    late = experiment.reality.sensed
+    mean: np.ndarray = np.linalg.inv(np.linalg.inv(M).mean(axis=0)) if late else M.mean(axis=0)
+    return mean
 
 
 def adaptation(robot: Robot) -> dict[str, np.ndarray]:

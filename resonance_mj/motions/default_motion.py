@@ -12,7 +12,7 @@ from ..robots.touching import touching
 from ..springs.bounds import Bounds, per_joint
 from ..text import Note, length
 from . import motion as motions
-from .kinematics import TOLERANCE, JointMotion, Kinematics
+from .kinematics import JointMotion, Kinematics
 from .margins import (
     GLANCE,
     LIMITS,
@@ -25,6 +25,7 @@ from .margins import (
     too_heavy,
     touches,
 )
+from .poses import REACHED
 
 SHARE = 0.15
 """Largest half size, as a share of the arm's reach."""
@@ -52,10 +53,6 @@ ASIDE = (0.1, 0.2, 0.3, 0.4)
 
 ROOMY = 0.1
 """Least ratio of J's singular values at such a center."""
-
-
-REACHED = 1e3 * TOLERANCE
-"""Distance below which the tool is where it should be [m]."""
 
 
 class NoRoomError(MotionError):
@@ -179,19 +176,6 @@ def _sized_in_joints(motion: Motion, kinematics: Kinematics, name: str, bounds: 
         f"{size / SHRINK / 2:.2g}] rad: {reason}. Give center, size and plane",
         reason,
     )
-
-
-def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
-    """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach."""
-    robot, found = kinematics.robot, []
-    if robot.joint_space:
-        return [motions.sample(one, POINTS, robot).x.mean(axis=0) for one in experiment.motion]
-    for motion in experiment.motion:
-        x = motions.sample(motion, POINTS, robot).x.mean(axis=0)
-        q = kinematics.solve(x, robot.home)
-        reached = np.linalg.norm(kinematics.position(q) - x) < REACHED
-        found.append(q if reached else robot.home)
-    return found
 
 
 def _try(motion: Motion, kinematics: Kinematics, name: str, alpha_0: float, bounds: Bounds) -> None:

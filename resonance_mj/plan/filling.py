@@ -109,39 +109,50 @@ def adapting(experiment: Experiment, law: Law, robot: Robot, notes: list[str]) -
 
 
 def growing(
-    experiment: Experiment, robot: Robot, optima: Callable[[], list[Optimum]], notes: list[str]
+    experiment: Experiment,
+    robot: Robot,
+    optima: Callable[[], list[Optimum]],
+    notes: list[str],
+    *,
+    follows: bool,
 ) -> Experiment:
     """The experiment with the length of each passage that it leaves open.
 
     A motion whose motors are too weak to make it without springs grows from rest: while it is small
-    they can make it, and what they learn then goes over to the springs, which grow with it.
+    they can make it, and what they learn then goes over to the springs, which grow with it. One
+    that follows another does so too where the loop is late or noisy: in one cycle the feedback that
+    such a loop bears would have to make what has been learned of another motion.
 
     Args:
         experiment: as it was given.
         robot: of it.
         optima: of its motions, asked for where motors have limits.
         notes: get a line of each motion that grows.
+        follows: whether the first motion follows that of a run before.
     """
     filled = list(experiment.motion)
     for index, motion in enumerate(filled):
         if motion.blend is not None:
             continue
-        weak = []
-        if experiment.law.kind == "transfer" and np.isfinite(robot.torque_limit).any():
+        weak: list[str] = []
+        transfers = experiment.law.kind == "transfer"
+        if transfers and np.isfinite(robot.torque_limit).any():
             with suppress(MotionError):  # which is said where the motion is asked for
                 weak = _weak(robot, optima()[index].torque_without_springs)
         update: dict[str, float] = {"blend": min(1, motion.cycles - 1)}
-        if weak:
+        late = transfers and experiment.reality.sensed and (index > 0 or follows)
+        if weak or late:
             # A duration that is given is kept.
             more = 0 if "duration" in motion.model_fields_set else GROWTH
             cycles = min(GROWTH, (motion.cycles + more) // 2)
             update = {"blend": cycles, "duration": motion.duration + more * motion.period}
-            notes.append(
-                Note(
-                    f"motion.{index} grows over {cycles} cycles (motion.{index}.blend)",
-                    f": springs take over what {joined(weak)} cannot give without them",
-                )
+            why = (
+                f"springs take over what {joined(weak)} cannot give without them"
+                if weak
+                else "the loop is late or noisy"
             )
+            head = f"motion.{index} grows over {cycles} cycles (motion.{index}.blend)"
+            notes.append(Note(head, f": {why}"))
         filled[index] = motion.model_copy(update=update)
     return experiment.model_copy(update={"motion": tuple(filled)})
 

@@ -39,7 +39,9 @@ def finished(plan: Plan, notes: list[str]) -> Plan:
         plan = aiming(plan, notes)
     with suppress(MotionError):  # which is said where the motion is asked for
         plan = softened(plan, notes)
-    return replace(plan, experiment=growing(experiment, plan.robot, lambda: plan.optima, notes))
+    follows = plan.left is not None
+    grown = growing(experiment, plan.robot, lambda: plan.optima, notes, follows=follows)
+    return replace(plan, experiment=grown)
 
 
 def aiming(plan: Plan, notes: list[str]) -> Plan:

@@ -15,7 +15,7 @@ from ..laws import laws
 from ..laws.gains import Gains, gains
 from ..laws.laws import Law
 from ..laws.memory import Layout, layout_of
-from ..motions import carrying, default_motion
+from ..motions import carrying, default_motion, poses
 from ..motions import motion as motions
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
@@ -264,9 +264,10 @@ def plan_for(
     with heard() as warned:
         chosen = gains(experiment, unloaded)
         experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
-        middles = default_motion.middles(experiment, unloaded)
-        if not all(np.array_equal(q, robot.home) for q in middles):
-            chosen = gains(experiment, unloaded, middles)
+        found = poses.along if experiment.reality.sensed else poses.middles
+        at = found(experiment, unloaded)
+        if not all(np.array_equal(q, robot.home) for q in at):
+            chosen = gains(experiment, unloaded, at)
     robot = replace(robot, notes=tuple(said))
     if left is not None:
         experiment = without_passage(experiment, left.motion)
