@@ -370,3 +370,24 @@ def test_a_motion_that_follows_another_grows_where_the_loop_is_late():
     )
     after = rmj.simulate(second, after=rmj.simulate(first))
     assert after.experiment.motion[0].blend == 12
+
+
+def test_no_spring_has_a_joint_swing_faster_than_a_late_loop_can_damp():
+    period = 0.005
+    plan = plan_for(rmj.load("seven-joint").replace({"reality.control_period": period}))
+    most = np.broadcast_to(plan.gains.bounds.stiffness[1], 7)
+    # Of a joint alone, the others free: ω² = k (M⁻¹)_jj.
+    swings = np.sqrt(most * np.diag(np.linalg.inv(plan.robot.inertia)))
+    np.testing.assert_allclose(swings, 0.2 / period)
+    assert not any("at most" in line for line in plan.notes)  # the best springs are below
+    ideal = plan_for(rmj.load("seven-joint"))
+    assert np.isinf(ideal.gains.bounds.stiffness[1]).all()
+
+
+def test_it_is_said_where_a_late_loop_asks_for_softer_springs_than_the_best():
+    plan = plan_for(arm({"control_period": 0.02}))
+    line = next(line for line in plan.notes if "at most" in line)
+    assert "control period of 0.02 s" in line
+    unlimited = plan_for(arm({}))
+    best, found = (max(o.stiffness[0] for o in one.optima) for one in (unlimited, plan))
+    assert found < best

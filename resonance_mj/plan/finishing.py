@@ -25,6 +25,10 @@ EXPLICIT = 1.0
 """Most that k dt² / m is of a spring k on an inertia m, which integrators take explicitly; alone it
 is unstable from 4 on, and joints about nearly one axis share an inertia."""
 
+LATE = 0.04
+"""The same of a control period: a joint that its spring has swing faster than 0.2 over the period
+is driven by a feedback that late, where it should be damped."""
+
 
 def finished(plan: Plan, notes: list[str]) -> Plan:
     """The plan with the friction of `[reality]`, springs that the time step bears, and passages.
@@ -55,24 +59,38 @@ def aiming(plan: Plan, notes: list[str]) -> Plan:
 
 
 def softened(plan: Plan, notes: list[str]) -> Plan:
-    """The plan with springs below what is unstable at the time step, where the best are above."""
+    """The plan with springs below what is unstable at its steps, where the best are above.
+
+    In a loop that is late none may be above: where a joint hardly moves, noise alone says how stiff
+    its spring shall be.
+    """
     dt, bounds = plan.experiment.simulation.timestep, plan.gains.bounds
+    held = plan.experiment.reality.control_period
+    late = held > dt
     alone = 1 / np.diag(np.linalg.inv(plan.robot.inertia))
-    most = EXPLICIT * alone / dt**2
+    most = LATE * alone / held**2 if late else EXPLICIT * alone / dt**2
     stiff = np.max([best.stiffness > most for best in plan.optima], axis=0)
-    if not stiff.any():
+    if not (stiff.any() or late):
         return plan
     least, greatest = bounds.stiffness
-    softer = np.maximum(np.where(stiff, np.minimum(greatest, most), greatest), least)
-    names = [joint for joint, is_stiff in zip(plan.robot.joints, stiff, strict=True) if is_stiff]
-    notes.append(
-        Note(
-            f"springs of {joined(names)} are at most "
-            f"{', '.join(f'{k:.3g}' for k in softer[stiff])} N m/rad at a time step of {dt:g} s",
-            ": stiffer ones are unstable, where these joints alone feel little inertia; a shorter "
-            "simulation.timestep allows more",
+    softer = np.maximum(np.where(stiff | late, np.minimum(greatest, most), greatest), least)
+    if stiff.any():
+        joints = plan.robot.joints
+        names = [joint for joint, is_stiff in zip(joints, stiff, strict=True) if is_stiff]
+        of, key = (
+            ("control period", "reality.control_period")
+            if late
+            else ("time step", "simulation.timestep")
         )
-    )
+        notes.append(
+            Note(
+                f"springs of {joined(names)} are at most "
+                f"{', '.join(f'{k:.3g}' for k in softer[stiff])} N m/rad at a {of} of "
+                f"{held if late else dt:g} s",
+                ": stiffer ones are unstable, where these joints alone feel little inertia; a "
+                f"shorter {key} allows more",
+            )
+        )
     gains = replace(plan.gains, bounds=bounds._replace(stiffness=(least, softer)))
     return replace(plan, gains=gains)
 
