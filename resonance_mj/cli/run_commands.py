@@ -217,7 +217,7 @@ def _size(text: str) -> tuple[int, int]:
 
 
 @command(
-    _runs("; several: compared"),
+    _runs(", or a sweep's; several runs: compared"),
     argument(
         "-o --output",
         "RUN/report.html; of several, comparison.html in the first one's folder",
@@ -229,7 +229,7 @@ def _size(text: str) -> tuple[int, int]:
     flag("--no-video", "leave out the video, which takes most of the time"),
 )
 def report(options: Namespace) -> None:
-    """Write a run, or several beside each other, as one page to read and to send."""
+    """Write a run, several beside each other, or a sweep as one page to read and to send."""
     screen = Screen(options)
     with bar("report", "pictures", screen.console) as show:
         written = rmj.report(

@@ -17,6 +17,9 @@ from ..results.run import Run, finite
 from ..results.schema import MOTORS, VARIABLES
 from ..text import shown
 
+WHOLE, TABLE, SETTINGS = "sweep.nc", "summary.csv", "sweep.json"
+"""Files of a finished sweep, and the one that says of which sweep a folder is."""
+
 FIGURES = (
     "torque_reduction",
     "torque_reduction_optimal",

@@ -26,7 +26,7 @@ from ..progress import Asked, Progress, progressing
 from ..results.run import versions
 from . import dataset
 from .cluster import spread
-from .dataset import Outcome
+from .dataset import SETTINGS, TABLE, WHOLE, Outcome
 from .shards import simulated
 
 SHARD = 16
@@ -34,9 +34,6 @@ SHARD = 16
 
 REMEMBERED = 500
 """Arms, joint motions and optima that experiments of a sweep may have in common."""
-
-WHOLE, TABLE, SETTINGS = "sweep.nc", "summary.csv", "sweep.json"
-"""Files of a finished sweep, and the one that says of which sweep a folder is."""
 
 
 def sweep(

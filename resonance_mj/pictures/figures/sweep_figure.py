@@ -1,5 +1,6 @@
 """A sweep as a figure: a line over one key, a map over two, or all runs over each of more keys."""
 
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from ...errors import PictureError
-from ...text import listed, shown
+from ...text import listed, minus, shown
 from ..palette import DESIRED, SERIES
 from .style import HEADING, Look, enlarged, if_titled, look, styled
 
@@ -26,6 +28,12 @@ SEED = "reality.seed"
 
 PREDICTED = "predicted_to_diverge"
 """Of a sweep with `predict`: what the linear analysis says."""
+
+LETTERS = 14
+"""Of a heading, on an inch."""
+
+CROWDED = 30
+"""Letters of the words along an axis from which on they stand aslant."""
 
 BAD = "0.85"
 """Colour of runs without a value: that never got there, diverged or were refused."""
@@ -68,7 +76,8 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
     predicts = mapped and PREDICTED in data
     words += ["the linear analysis: diverges beyond the line"] * predicts
     if heading := "; ".join(filter(None, words)):
-        drawn.suptitle(heading, x=0.01, ha="left", fontsize=enlarged() * HEADING)
+        lines = textwrap.fill(heading, int(LETTERS * width / enlarged()))
+        drawn.suptitle(lines, x=0.01, ha="left", fontsize=enlarged() * HEADING)
     axes = drawn.subplots(panels, motions, squeeze=False, sharey="row")
     for column, motion in enumerate(data["motion"].values):
         of_motion = values.sel(motion=motion)
@@ -80,6 +89,7 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
             if column == motions - 1:
                 bar = drawn.colorbar(cells, ax=list(axes[0]))
                 bar.set_label(label(data, metric), labelpad=8)
+                bar.formatter = FuncFormatter(lambda value, _: minus(f"{value:g}"))
         else:
             for row, key in enumerate(keys[:panels]):
                 ax, alone = axes[row, column], len(keys) == 1
@@ -90,6 +100,11 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
                 axes[row, 0].set_ylabel(label(data, metric))
         axes[0, column].set_title(f"motion {motion}")
     return drawn
+
+
+def known(data: xr.Dataset, metric: str) -> bool:
+    """Whether any run that is ok has a metric."""
+    return bool(np.isfinite(_values(data, metric).values).any())
 
 
 def label(data: xr.Dataset, metric: str) -> str:
@@ -130,8 +145,13 @@ def _map(ax: Axes, values: xr.DataArray, keys: list[str], norm: Normalize) -> Qu
     for axis, key in zip((ax.xaxis, ax.yaxis), keys, strict=True):
         ticks = values[key].values
         step = max(1, -(-len(ticks) // 9))
-        axis.set_ticks(np.arange(len(ticks))[::step] + 0.5, [_tick(t) for t in ticks[::step]])
+        words = [_tick(tick) for tick in ticks[::step]]
+        axis.set_ticks(np.arange(len(ticks))[::step] + 0.5, words)
         axis.set_label_text(key)
+        if axis is ax.xaxis and sum(map(len, words)) > CROWDED:
+            axis.set_tick_params(rotation=30)
+            for word in axis.get_ticklabels():
+                word.set(horizontalalignment="right", rotation_mode="anchor")
     return cells
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import jinja2
 from markupsafe import Markup, escape
+from matplotlib.figure import Figure
 
 from ... import text
 from ...evaluation.checks import convergence
@@ -38,13 +39,15 @@ def live(label: str, scene: str) -> str:
     return _environment().get_template("live.html").render(label=label, scene=scene)
 
 
-def html(**page: Any) -> str:
+def html(template: str = "page.html", **page: Any) -> str:
     """The page as text.
 
     Args:
-        page: what the template shows: `title`; `contents` of each run; `shared`, the figures that
-            show all runs; `differences` between the runs' experiments; `film` or None, and
-            `film_note`, why there is none or what it leaves out; `scene` or None.
+        template: page.html, of runs, or sweep.html.
+        page: what the template shows, of runs: `title`; `contents` of each run; `shared`, the
+            figures that show all runs; `differences` between the runs' experiments; `film` or None,
+            and `film_note`, why there is none or what it leaves out; `scene` or None. Of a sweep
+            what `sweep_page` gives.
     """
     environment = _environment()
     environment.globals["judged"] = convergence
@@ -56,7 +59,7 @@ def html(**page: Any) -> str:
         "radians": _data(text.angle),
         "json": lambda value: json.dumps(finite(value), indent=2),
     }
-    return environment.get_template("page.html").render(
+    return environment.get_template(template).render(
         page=page, best=best, version=versions()["resonance-mj"]
     )
 
@@ -81,8 +84,12 @@ def _environment() -> jinja2.Environment:
 
 def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
     """A figure of runs as an SVG element, whose ids begin with `anchor` and the figure's name."""
-    name, file = f"{anchor}-{entry.name}", io.StringIO()
-    drawn = entry.draw(runs, WIDTH)
+    return element(entry.draw(runs, WIDTH), f"{anchor}-{entry.name}", entry.title)
+
+
+def element(drawn: Figure, name: str, title: str) -> Markup:
+    """A figure as an SVG element of a title, whose ids begin with `name`."""
+    file = io.StringIO()
     panels = curves(drawn)
     # The ids are found from the salt: the same figure gives the same page.
     with styled({**STYLE, "svg.hashsalt": name}):
@@ -95,7 +102,7 @@ def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
     body = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", body, flags=re.DOTALL)
     body = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", body)
     body = body.replace(" \n", "\n")
-    label = f'role="img" aria-label="{escape(entry.title)}"'
+    label = f'role="img" aria-label="{escape(title)}"'
     if moments := times(drawn):
         label += f' data-time="{escape(json.dumps(moments))}"'
     for panel in panels:
@@ -107,13 +114,13 @@ def inline(entry: Entry, runs: Sequence[Run], anchor: str) -> Markup:
 def _data(written: Callable[..., str]) -> Callable[..., Markup]:
     """A number as it is read, with all its digits for programs."""
 
-    def element(value: float | None, *digits: int) -> Markup:
+    def as_data(value: float | None, *digits: int) -> Markup:
         shown = text.minus(written(value, *digits))
         if shown == text.NOTHING:
             return Markup(shown)
         return Markup('<data value="{}">{}</data>').format(value, shown)
 
-    return element
+    return as_data
 
 
 def _data_uri(content: str | bytes, kind: str) -> Markup:

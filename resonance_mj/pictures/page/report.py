@@ -9,10 +9,12 @@ from ...errors import OutputError, PictureError, RobotError
 from ...files import could_be_replaced, replacing, writable
 from ...progress import Asked, Progress, progressing
 from ...results.run import Run
+from ...sweeps.dataset import WHOLE, opened
 from ...text import told_apart
 from ..figures import catalogue
 from ..figures.catalogue import Entry
 from . import film as films
+from . import sweep_page
 from .content import Content, Figures, differences
 from .page import html, inline
 from .scene import Shown, scene
@@ -39,7 +41,7 @@ def report(
     machine.
 
     Args:
-        run: the run or runs, or the folders that they were saved to.
+        run: the run or runs, or the folders that they were saved to; or that of a sweep.
         path: the file; report.html in the folder of the run, comparison.html in that of the first
             of several.
         video: whether to film the runs; it takes most of the time.
@@ -62,11 +64,17 @@ def report(
         raise OutputError("no run is given to report")
     folders = [None if isinstance(one, Run) else Path(one) for one in given]
     alone = len(given) == 1
+    sweep = next((one for one in folders if one and (one / WHOLE).is_file()), None)
+    if sweep and not alone:
+        raise OutputError(f"{sweep}: is a sweep; a sweep has a report of its own")
     if path is None:
         if folders[0] is None:
             raise OutputError("a run that was not read from a folder: give the report a path")
         path = folders[0] / ("report.html" if alone else "comparison.html")
     path = could_be_replaced(Path(path))  # seen before the long work
+    if sweep:
+        with progressing(progress, path.name, "pictures") as show:
+            return _written(sweep_page.page(sweep, opened(sweep / WHOLE), title, show), path)
     runs = [one if isinstance(one, Run) else Run.load(one) for one in given]
     if labels is not None and len(labels) != len(runs):
         raise OutputError(f"{len(labels)} labels for {len(runs)} runs: give one each")
@@ -76,6 +84,10 @@ def report(
     note = note or (lambda line: None)
     with progressing(progress, path.name, "pictures") as show:
         page = _page(runs, folders, names, title, video, show, note)
+    return _written(page, path)
+
+
+def _written(page: str, path: Path) -> Path:
     writable(path.parent)
     with replacing(path) as beside:
         beside.write_text(page, encoding="utf-8")
