@@ -45,12 +45,14 @@ def loaded(experiment: Experiment, unloaded: Kinematics) -> list[Kinematics]:
     """
     robot, by_mass, found = unloaded.robot, {0.0: unloaded}, []
     for motion in experiment.motion:
-        masses = motion.carried(motion.steps(experiment.simulation.timestep)).tolist()
-        for mass in dict.fromkeys(masses):
+        masses = motion.carried(motion.steps(experiment.simulation.timestep))
+        kinds = np.unique(masses).tolist()
+        for mass in kinds:
             if mass not in by_mass:
                 by_mass[mass] = Kinematics(robot.carrying(mass))
-        loads, heaviest = [by_mass[mass] for mass in masses], by_mass[max(masses)]
-        alike = all(load is heaviest for load in loads)
+        heaviest = by_mass[kinds[-1]]
+        alike = len(kinds) == 1
+        loads = [] if alike else [by_mass[mass] for mass in masses.tolist()]
         found.append(heaviest if alike else Carrying(loads, heaviest))
     return found
 
