@@ -44,16 +44,22 @@ HARMONICS = 20
 """Of the torque that a motion needs; beyond them is what feedback makes of noise."""
 
 
+Strength = float | str
+"""In the imperfection's unit; of presets the name."""
+
+
 class Imperfection(NamedTuple):
     """What is not ideal, at three strengths."""
 
     name: str
     unit: str
-    strengths: tuple[float, float, float]
+    strengths: tuple[Strength, Strength, Strength]
 
-    def changes(self, strength: float, plan: Plan) -> dict[str, Any]:
+    def changes(self, strength: Strength, plan: Plan) -> dict[str, Any]:
         """Keys of an experiment, which is planned already."""
         experiment = plan.experiment
+        if isinstance(strength, str):
+            return {"reality": strength}
         if self.name == "payload":
             mass = strength / 100 * float(plan.robot.model.body_subtreemass[0])
             return {f"motion.{i}.payload": mass for i in range(len(experiment.motion))}
@@ -75,6 +81,7 @@ IMPERFECTIONS = (
     Imperfection("friction", "%", (1.0, 10.0, 30.0)),
     Imperfection("motors", "%", (150.0, 125.0, 105.0)),
     Imperfection("payload", "%", (10.0, 20.0, 40.0)),
+    Imperfection("preset", "", ("encoder", "lab", "cheap")),
 )
 """Motors in percent of what the best springs leave at their peak, payloads of the file's mass."""
 
@@ -95,7 +102,7 @@ class Cell:
     Attributes:
         law: its name.
         imperfection: its name, or "ideal".
-        strength: in the imperfection's unit; 0 for ideal.
+        strength: in the imperfection's unit, or a preset's name; 0 for ideal.
         share: of the possible reduction of torque² that the springs found would give; None where
             the run did not come to its end, or no spring can help.
         kept: reduction of torque² that the motors gave, as a share of what is possible; likewise.
@@ -106,7 +113,7 @@ class Cell:
 
     law: str
     imperfection: str
-    strength: float
+    strength: Strength
     share: float | None
     kept: float | None
     tracking_rms: float | None
@@ -171,7 +178,7 @@ def robustness(
     given = {law.name: (law, one) for law, one in contending(base)}
     laws = [given[name] for name in LAWS]
     laws += [(law, base.replace(law.changes)) for law in MORE]
-    ideal: list[tuple[str, float, dict[str, Any]]] = [("ideal", 0.0, {})]
+    ideal: list[tuple[str, Strength, dict[str, Any]]] = [("ideal", 0.0, {})]
     rows = ideal + [
         (one.name, strength, one.changes(strength, plan))
         for one in IMPERFECTIONS
@@ -233,10 +240,10 @@ def written(cell: Cell, *, short: bool = False) -> str:
     return minus(kept)
 
 
-def described(name: str, strength: float) -> str:
+def described(name: str, strength: Strength) -> str:
     """A row of the map in words."""
     one = next((each for each in IMPERFECTIONS if each.name == name), None)
-    if one is None:
-        return name
+    if one is None or isinstance(strength, str):
+        return name if one is None else f"{name} {strength}"
     of = {"motors": "motors at", "payload": "payload of"}.get(name, name.replace("_", " "))
     return f"{of} {strength:g} {one.unit}"
