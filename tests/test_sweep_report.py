@@ -137,6 +137,9 @@ def test_a_sweep_stands_alone_and_its_settings_must_be_there(folder, tmp_path, c
         said = capsys.readouterr().err
         assert "sweep.json" in said
         assert said.count("\n") == 1
+    (copy / "sweep.json").write_text('{"experiment": "x", "keys": {"law.alpha": [1.0]}}')
+    assert main(["report", str(copy)]) == 2
+    assert "sweep.nc: lacks law.alpha" in capsys.readouterr().err
     (copy / "sweep.nc").write_bytes(b"nothing")
     (copy / "sweep.json").write_bytes((folder / "sweep.json").read_bytes())
     assert main(["report", str(copy)]) == 2

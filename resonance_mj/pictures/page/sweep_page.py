@@ -14,7 +14,7 @@ import xarray as xr
 from ...errors import OutputError
 from ...experiments import toml
 from ...progress import Progress
-from ...sweeps.dataset import SETTINGS
+from ...sweeps.dataset import SETTINGS, WHOLE
 from ...text import joined, minus
 from ..figures import sweep_figure
 from .page import WIDTH, element, html
@@ -28,7 +28,6 @@ METRICS = {
     "tracking_rms": ("How near the path", "RMS error of the tool in the last cycle."),
 }
 """Figures of the page: title and caption."""
-
 
 FIGURES = {
     "reduction": "torque_reduction",
@@ -58,13 +57,15 @@ def page(folder: Path, data: xr.Dataset, title: str | None, progress: Progress) 
         progress: is called with the number of figures done and that of all.
 
     Raises:
-        OutputError: the folder does not say of which sweep it is.
+        OutputError: the folder does not say of which sweep it is, or holds another.
     """
     try:
         settings = json.loads((folder / SETTINGS).read_bytes())
         keys = list(settings["keys"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(f"{folder / SETTINGS}: does not say what was swept: {error}") from None
+    if lacking := {"status", "message", "motion", *FIGURES.values(), *keys} - set(data.variables):
+        raise OutputError(f"{folder / WHOLE}: lacks {joined(sorted(lacking))}")
     rows = _rows(data, keys)
     motions = data["motion"].values.tolist()
     good = {
