@@ -254,6 +254,7 @@ def test_a_run_that_picks_up_goes_on_from_a_checkpoint_with_the_same_bits(tmp_pa
         ([[1.0, 1.5, 1.0]], ["from 1 to 1.5 s", "period of 1 s"]),
         ([[0.2, 1.3, 1.0]], ["at most a period later"]),
         ([[0.2, 0.7, -1.0]], ["-1 kg"]),
+        ([[0.2, 0.2004, 1.0]], ["payload", "0.2004 s", "no time step of 0.001 s"]),
         ([[0.2, 0.7, 1.0], [0.6, 0.9, 1.0]], ["put down at 0.7 s", "picked up at 0.6 s"]),
         ([[0.2, 0.7, 1.0], [0.8, 1.3, 1.0]], ["put down at 1.3 s", "picked up at 1.2 s"]),
     ],

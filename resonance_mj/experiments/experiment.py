@@ -54,6 +54,11 @@ class Experiment(Section):
                     f"example a period of {whole * dt:.9g} s or a time step of "
                     f"{motion.period / whole:.9g} s"
                 )
+            if (part := motion.shortest_part) and round(part[1] / dt) == round(part[0] / dt):
+                raise ValueError(
+                    f"motion.{index}.payload: from {part[0]:g} to {part[1]:g} s there is no time "
+                    f"step of {dt:g} s"
+                )
             hold = self.reality.steps("control_period", dt)
             if whole % hold:
                 raise ValueError(

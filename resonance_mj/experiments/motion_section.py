@@ -166,6 +166,12 @@ class Motion(Section):
         """Whether the tool carries anything, at any time."""
         return self.payload not in (0.0, ())
 
+    @property
+    def shortest_part(self) -> tuple[float, ...] | None:
+        """Of the parts of a cycle in which something is carried the shortest, None for no parts."""
+        rows = () if isinstance(self.payload, float) else self.payload
+        return min(rows, key=lambda row: row[1] - row[0], default=None)
+
     def _parts(self, rows: tuple[tuple[float, ...], ...]) -> None:
         """Raise where the parts of a cycle in which something is carried are none."""
         for begin, end, _ in rows:
