@@ -250,3 +250,35 @@ def test_a_key_that_varies_and_changes_nothing_is_refused_with_why():
     # In some of the runs it has.
     data = rmj.sweep(SHORT, {"law.kind": ["transfer", "computed-torque"], "law.beta": [2.0, 5.0]})
     assert data.sizes["law.beta"] == 2
+
+
+def test_runs_of_a_sample_are_points_and_no_line_in_the_order_in_which_they_were_drawn():
+    among = {"law.beta": {"from": 2.0, "to": 6.0}}
+    sample = rmj.sweep(SHORT, among, how="sample", count=4, progress=False)
+    grid = rmj.sweep(SHORT, {"law.beta": BETAS}, progress=False)
+
+    def joined(data):
+        (ax,) = sweep_figure.figure(data, "torque_share", 3.5).axes
+        longest = max(ax.lines, key=lambda line: len(line.get_xdata()))
+        return longest.get_linestyle() not in ("None", "", " ")
+
+    assert joined(grid)
+    assert not joined(sample)
+
+
+@pytest.mark.parametrize("keys", [["law.beta"], ["law.beta", "law.lead"]])
+def test_numbers_along_logarithmic_axes_are_plain(keys):
+    values = {"law.beta": [1.0, 4.0, 16.0], "law.lead": [0.0, 1.0]}
+    shape = [len(values[key]) for key in keys]
+    rms = np.geomspace(1e-6, 1e-2, int(np.prod(shape))).reshape(*shape, 1)
+    data = xr.Dataset(
+        {"tracking_rms": ([*keys, "motion"], rms), "status": (keys, np.full(shape, "ok"))},
+        coords={key: values[key] for key in keys} | {"motion": [1]},
+        attrs={"title": "resonance-mj sweep of this"},
+    )
+    drawn = sweep_figure.figure(data, "tracking_rms", 3.5)
+    drawn.draw_without_rendering()
+    of_axes = [label.get_text() for ax in drawn.axes for label in ax.get_yticklabels(which="both")]
+    of_axes += [label.get_text() for ax in drawn.axes for label in ax.get_xticklabels(which="both")]
+    assert "0.0001" in of_axes
+    assert not any("$" in text for text in of_axes)

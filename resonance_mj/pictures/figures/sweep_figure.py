@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from ...errors import PictureError
 from ...text import listed, minus, shown
@@ -89,10 +89,10 @@ def _figure(data: xr.Dataset, metric: str, width: float) -> Figure:
             if column == motions - 1:
                 bar = drawn.colorbar(cells, ax=list(axes[0]))
                 bar.set_label(label(data, metric), labelpad=8)
-                bar.formatter = FuncFormatter(lambda value, _: minus(f"{value:g}"))
+                bar.formatter = _plain()
         else:
             for row, key in enumerate(keys[:panels]):
-                ax, alone = axes[row, column], len(keys) == 1
+                ax, alone = axes[row, column], grid and len(keys) == 1
                 _over(ax, of_motion, ~well, key, joined=alone)
                 if alone and ends and values[key].dtype.kind == "f":
                     low, high = (end.sel(motion=motion).values for end in ends)
@@ -180,10 +180,21 @@ def _over(ax: Axes, values: xr.DataArray, failed: xr.DataArray, key: str, *, joi
     ratios = np.diff(np.log(np.unique(place))) if number and (place > 0).all() else np.zeros(0)
     if len(ratios) > 1 and np.ptp(ratios) < 0.5 * ratios.mean():
         ax.set_xscale("log")
+        swept = np.unique(place)
+        some = swept[:: max(1, -(-len(swept) // 9))]
+        ax.set_xticks(some, [_tick(value) for value in some])
+        ax.set_xticks([], minor=True)
     known = y[np.isfinite(y)]
     if known.size and known.min() > 0 and known.max() > 30 * known.min():
         ax.set_yscale("log")
+        ax.yaxis.set_major_formatter(_plain())
+        ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set_xlabel(f"{key}  (×: not ok)" if bad.any() else key)
+
+
+def _plain() -> FuncFormatter:
+    """Numbers along a logarithmic axis; matplotlib's own are mathematics, which is not parsed."""
+    return FuncFormatter(lambda value, _: minus(f"{value:g}"))
 
 
 def _tick(value: object) -> str:
