@@ -242,8 +242,10 @@ def written(cell: Cell, *, short: bool = False) -> str:
 
 def described(name: str, strength: Strength) -> str:
     """A row of the map in words."""
+    if isinstance(strength, str):
+        return f"{name} {strength}"
     one = next((each for each in IMPERFECTIONS if each.name == name), None)
-    if one is None or isinstance(strength, str):
-        return name if one is None else f"{name} {strength}"
+    if one is None:
+        return name
     of = {"motors": "motors at", "payload": "payload of"}.get(name, name.replace("_", " "))
     return f"{of} {strength:g} {one.unit}"

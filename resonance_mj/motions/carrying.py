@@ -25,6 +25,9 @@ class Carrying(Kinematics):
     def __init__(self, loads: list[Kinematics], heaviest: Kinematics) -> None:
         super().__init__(heaviest.robot)
         self.loads, self.heaviest = loads, heaviest
+        begins = [0, *(i for i in range(1, len(loads)) if loads[i] is not loads[i - 1])]
+        lengths = np.diff([*begins, len(loads)]).tolist()
+        self.parts = [(n, loads[i].robot) for i, n in zip(begins, lengths, strict=True)]
 
     def torque(self, motion: JointMotion) -> np.ndarray:
         """Torque (N, n) [N m] without springs and contacts, by (2), of a whole cycle."""
@@ -59,12 +62,7 @@ def loaded(experiment: Experiment, unloaded: Kinematics) -> list[Kinematics]:
 
 def parts(kinematics: Kinematics, steps: int) -> list[tuple[int, Robot]]:
     """Time steps of each part of a cycle of so many, and the robot with its load of that part."""
-    if not isinstance(kinematics, Carrying):
-        return [(steps, kinematics.robot)]
-    loads = kinematics.loads
-    begins = [0, *(i for i in range(1, steps) if loads[i] is not loads[i - 1])]
-    lengths = np.diff([*begins, steps]).tolist()
-    return [(length, loads[i].robot) for i, length in zip(begins, lengths, strict=True)]
+    return kinematics.parts if isinstance(kinematics, Carrying) else [(steps, kinematics.robot)]
 
 
 def rubbing(kinematics: Kinematics, friction: np.ndarray) -> Kinematics:
