@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: paper test test-oldest test-robots test-docs test-sensitivity fuzz soak mutation check api dist audit format benchmark gallery \
+.PHONY: paper test test-slow test-oldest test-robots test-docs test-sensitivity fuzz soak mutation check api dist audit format benchmark gallery \
   clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
@@ -12,6 +12,9 @@ paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
 
 test: $(VENV)/installed-dev   ## run the tests
 	$(BIN)/python -m pytest
+
+test-slow: $(VENV)/installed-dev   ## the same from more sides: killed processes, clusters, empty caches; five minutes
+	$(BIN)/python -m pytest -m slow
 
 test-oldest:   ## the tests with the oldest versions that pyproject.toml allows, in .venv-oldest
 	$(PYTHON) -m venv .venv-oldest

@@ -13,6 +13,9 @@ import pytest
 
 from resonance_mj.pictures.film import gl
 
+# Each core has a worker: their linear algebra does not share them a second time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 DRAWS = """
 import mujoco
 arm = mujoco.MjModel.from_xml_string("<mujoco/>")

@@ -552,6 +552,7 @@ def test_certify_of_what_is_no_run_is_refused_in_one_line(tmp_path):
     assert "holds no run" in line
 
 
+@pytest.mark.slow
 def test_a_run_loads_no_certificates_and_can_be_certified_later(tmp_path):
     script = """
 import sys

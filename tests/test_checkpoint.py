@@ -129,7 +129,7 @@ def test_a_checkpoint_without_a_folder_is_refused():
 
 
 def command(folder):
-    keys = ["--motion.0.duration", "20", "--motion.1.duration", "20"]
+    keys = ["--motion.0.duration", "12", "--motion.1.duration", "12"]
     keys += ["--simulation.timestep", "2e-4"]
     options = ["--checkpoint", "2", "--resume", "--out", str(folder), "--quiet"]
     return subprocess.Popen(
@@ -151,7 +151,7 @@ def command(folder):
 def test_a_killed_run_goes_on_with_the_same_command_and_leaves_nothing_behind(tmp_path):
     folder = tmp_path / "run"
     file = folder / "run.nc"
-    for _ in range(3):
+    for _ in range(2):
         process = command(folder)
         before = file.stat().st_mtime_ns if file.exists() else 0
         # Killed in the midst of its work: as soon as it has written once more.
@@ -165,7 +165,7 @@ def test_a_killed_run_goes_on_with_the_same_command_and_leaves_nothing_behind(tm
     _, said = process.communicate()
     assert process.returncode == 0, said
     asked = rmj.load("two-link-transfer").replace(
-        {"motion.0.duration": 20.0, "motion.1.duration": 20.0, "simulation.timestep": 2e-4}
+        {"motion.0.duration": 12.0, "motion.1.duration": 12.0, "simulation.timestep": 2e-4}
     )
     assert same(rmj.Run.load(folder), rmj.simulate(asked))
     kinds = {"run.nc", "summary.json", "experiment.toml", "figure.svg", "figure.png"}

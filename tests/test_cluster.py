@@ -51,6 +51,7 @@ def test_workers_make_the_same_bits_and_none_is_left(here, tmp_path):
     assert "distributed.cli.dask_worker" not in named
 
 
+@pytest.mark.slow
 def test_a_killed_worker_costs_no_result_and_makes_none_twice(here, workers, tmp_path):
     from distributed import Client
 
@@ -69,6 +70,7 @@ def test_a_killed_worker_costs_no_result_and_makes_none_twice(here, workers, tmp
     assert seen == [16, 32, 48]
 
 
+@pytest.mark.slow
 def test_what_a_cluster_began_goes_on_without_it(here, workers, tmp_path):
     def stopping(done, total, bad):
         if done == 16:
@@ -83,6 +85,7 @@ def test_what_a_cluster_began_goes_on_without_it(here, workers, tmp_path):
     assert counts == [16, 32, 48]
 
 
+@pytest.mark.slow
 def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path, caplog):
     address = f"tcp://127.0.0.1:{8700 + os.getpid() % 1000}"
     began = [sys.executable, "-P", "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
@@ -106,6 +109,7 @@ def test_a_lost_scheduler_is_said_and_its_shards_are_kept(here, tmp_path, caplog
     assert alike(sweep(folder=tmp_path / "out"), here)
 
 
+@pytest.mark.slow
 def test_files_travel_with_the_experiments(workers, tmp_path):
     """The arm's file and waypoints are where no worker sees them, and one robot is none."""
     arm, path = tmp_path / "own" / "arm.xml", tmp_path / "own" / "path.csv"

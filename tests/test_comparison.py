@@ -118,7 +118,11 @@ PENDULUM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" damping=
     [
         ({"shape": "line", "size": (0.1, 0.0), "center": [0.0], "period": 4.0}, ["share"]),
         ({"shape": "fourier", "offset": (0.0,), "blend": 0}, ["share", "torque_reduction"]),
-        ({"shape": "line", "size": (0.1, 0.0), "center": [0.0], "k_v": 1e7}, []),
+        pytest.param(
+            {"shape": "line", "size": (0.1, 0.0), "center": [0.0], "k_v": 1e7},
+            [],
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["no spring helps", "no torque", "diverged in the first cycle"],
 )

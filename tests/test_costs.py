@@ -295,6 +295,7 @@ def test_what_is_printed_drawn_and_said_is_of_the_cost(tmp_path):
     assert "mean electrical" in said
 
 
+@pytest.mark.slow
 def test_certificates_judge_the_cost_and_say_where_none_can_be_judged():
     cut = {"motion.0.duration": 20.0, "motion.1.duration": 20.0}
     for kind in ("copper", "energy"):
@@ -310,6 +311,7 @@ def test_certificates_judge_the_cost_and_say_where_none_can_be_judged():
     ] * 2
 
 
+@pytest.mark.slow
 def test_costs_step_together_as_one_by_one():
     experiments = [
         asked(kind, **{"motion.0.duration": 4.0, "motion.1.duration": 4.0}) for kind in OTHERS

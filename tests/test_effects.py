@@ -33,11 +33,16 @@ KINDS = ["feedback", "learning", "fixed", "joint-space", "paper"]
 @pytest.mark.parametrize(
     ("kind", "gains"),
     [
-        *((kind, gains) for kind in KINDS for gains in ({}, ADAPTING)),
         ("transfer", ADAPTING),
         ("feedback", BY_HAND),
-        ("computed-torque", BY_HAND),
+        ("joint-space", {}),
         ("paper", BY_HAND | {"beta": 1.0, "gamma_qe": 10.0}),
+        *(
+            pytest.param(kind, gains, marks=pytest.mark.slow)
+            for kind in KINDS
+            for gains in ({}, ADAPTING)
+        ),
+        pytest.param("computed-torque", BY_HAND, marks=pytest.mark.slow),
     ],
 )
 def test_what_is_said_to_have_no_effect_has_none_and_the_rest_has(kind, gains):

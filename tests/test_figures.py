@@ -455,6 +455,7 @@ def test_the_help_names_every_figure_and_needs_nothing_to_draw_with():
 
 @pytest.mark.parametrize("name", OF_ONE)
 @pytest.mark.parametrize("size", [6.0, 10.0])
+@pytest.mark.slow
 def test_letters_of_another_size_and_family_touch_nothing_either(runs, name, size):
     wanted = Look(titled=True, font="serif", font_size=size)
     for width in WIDTHS:

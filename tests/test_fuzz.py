@@ -4,9 +4,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 FUZZ = Path(__file__).parent.parent / "benchmarks" / "fuzz.py"
 
 
+@pytest.mark.slow
 def test_two_hundred_mutated_files_are_taken_or_refused_in_one_line():
     done = subprocess.run(
         [sys.executable, FUZZ, "--cases", "200", "--seed", "50000"], capture_output=True, text=True

@@ -37,7 +37,9 @@ def test_a_stop_at_the_end_of_a_run_interrupts_nothing():
     assert run.data.sizes["cycle"] == 4
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_a_signal_ends_the_command_with_what_there_is(tmp_path, number):
     keys = "--motion.0.duration 50000 --simulation.samples 20000 --law.eta 0.5 --out out"
     command = [sys.executable, "-m", "resonance_mj.cli", "run", "two-link-transfer"]

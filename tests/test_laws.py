@@ -91,6 +91,7 @@ FAILING = {
 
 
 @pytest.mark.parametrize("failing", FAILING)
+@pytest.mark.slow
 def test_a_law_that_fails_within_a_step_ends_the_run_in_one_line(tmp_path, failing):
     """In processes of their own: the second has the machine code from disk, and no compiler."""
     text = "def command(J, error, rate, q, dq, u, parameters, y, tau):\n    " + FAILING[failing]
@@ -112,6 +113,7 @@ def test_a_law_that_fails_within_a_step_ends_the_run_in_one_line(tmp_path, faili
     assert not (tmp_path / "runs").exists()
 
 
+@pytest.mark.slow
 def test_a_law_that_allocates_runs_from_disk_too(tmp_path):
     text = DAMPER.format(read="import numpy as np", gain="np.full(3, -2.5)[j + 1]")
     (tmp_path / "mine.py").write_text(text)
@@ -156,13 +158,14 @@ def applied_gain(folder):
     ("read", "gain", "file"),
     [
         ('GAIN = float((Path(__file__).parent / "gain.py").read_text())', "GAIN", "{}"),
-        ("from gain import GAIN", "GAIN", "GAIN = {}"),
-        ("import gain", "gain.GAIN", "GAIN = {}"),
-        (
+        pytest.param("from gain import GAIN", "GAIN", "GAIN = {}", marks=pytest.mark.slow),
+        pytest.param("import gain", "gain.GAIN", "GAIN = {}", marks=pytest.mark.slow),
+        pytest.param(
             "from gain import GAINS",
             "GAINS.a",
             "from collections import namedtuple\n"
             "GAINS = namedtuple('Gains', 'a b' if {} == -2.0 else 'b a')(-2.0, -3.0)",
+            marks=pytest.mark.slow,
         ),
     ],
 )

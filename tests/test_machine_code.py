@@ -89,6 +89,7 @@ def test_without_a_folder_to_write_each_process_compiles(cache):
     assert answer(b"one", translated) == 42
 
 
+@pytest.mark.slow
 def test_that_the_law_cannot_be_kept_is_said_once_by_the_run_that_compiled_it(tmp_path):
     taken = tmp_path / "cache"
     taken.write_text("a file where the folder would be")

@@ -142,7 +142,9 @@ def said_in(page):
     return " ".join(words_of(page)).replace("\u202f", " ")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [*NAMES[:2], *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[2:])]
+)
 def test_a_report_with_all_figures_is_made_and_no_number_in_it_is_none(simulated, reported, name):
     page = reported(name)
     figures = catalogue.fitting([simulated(name)])
@@ -209,6 +211,7 @@ def test_a_run_that_diverged_in_its_first_cycle_is_drawn_as_far_as_it_came(simul
     assert [path.name for path in rmj.plot(run, folder / "part", formats=["svg"])] == ["figure.svg"]
 
 
+@pytest.mark.slow
 def test_a_page_holds_no_folder_of_its_sender(simulated, folder, tmp_path, monkeypatch):
     """Neither in what is read nor in what can be saved from it, nor in its notes."""
     run = simulated("long names").experiment
@@ -251,6 +254,7 @@ def test_a_folder_that_is_not_there_yet_is_made(simulated, folder, tmp_path, com
     assert list(new.iterdir())
 
 
+@pytest.mark.slow
 def test_many_threads_plot_at_once_and_each_figure_is_as_if_drawn_alone(tmp_path):
     """In a process of its own, which a deadlock does not outlive."""
     code = f"""

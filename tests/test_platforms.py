@@ -49,7 +49,7 @@ sys.platform = SYSTEM
 """
 
 
-@pytest.mark.parametrize("system", ["win32", "darwin"])
+@pytest.mark.parametrize("system", ["win32", pytest.param("darwin", marks=pytest.mark.slow)])
 def test_a_run_is_made_kept_and_read_with_the_same_bits_without_what_is_this_system_s_own(
     system, tmp_path
 ):
@@ -91,6 +91,7 @@ def test_mujoco_s_library_is_found_by_the_name_that_it_has_there(
 
 
 @pytest.mark.parametrize("system", ["win32", "darwin"])
+@pytest.mark.slow
 def test_elsewhere_mujoco_chooses_what_draws_and_the_viewer_is_not_asked_of_x(system, tmp_path):
     code = f"""{PRETEND}
 os.environ.pop("MUJOCO_GL", None)
@@ -112,6 +113,7 @@ def simulated():
     return rmj.simulate(test_callback.short()).data.tau.values
 
 
+@pytest.mark.slow
 def test_processes_that_begin_at_once_with_an_empty_cache_all_come_to_the_same_end(
     tmp_path, monkeypatch
 ):

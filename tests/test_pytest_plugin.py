@@ -80,6 +80,7 @@ def outcomes(process):
     return sorted(" ".join(line.split()[:2]) for line in lines if line.startswith(kinds))
 
 
+@pytest.mark.slow
 def test_workers_collect_what_holds_expect_and_say_what_is_missed(project):
     process = run_pytest(project, "-n", "2", "-rA", "--junitxml=verdicts.xml")
     assert outcomes(process) == [

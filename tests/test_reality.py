@@ -161,7 +161,15 @@ ROWS = {
 
 
 @pytest.mark.parametrize("name", ["two-link-transfer", "seven-joint"])
-@pytest.mark.parametrize("row", ROWS)
+@pytest.mark.parametrize(
+    "row",
+    [
+        *("lab", "noise of 1e-3 rad", "delay of 10 ms", "cheap"),
+        pytest.param("delay of 5 ms", marks=pytest.mark.slow),
+        pytest.param("torque 10 ms late", marks=pytest.mark.slow),
+        pytest.param("control at 100 Hz", marks=pytest.mark.slow),
+    ],
+)
 def test_the_law_finds_the_springs_of_a_real_arm_and_its_motors_give_little_more(row, name):
     reality, least_share, least_reduction = ROWS[row]
     run = rmj.simulate(arm(reality, name))
@@ -220,7 +228,10 @@ def test_a_payload_that_nobody_announced_settles_within_a_millimetre(payload, na
         assert motion.torque_squared[-1] == pytest.approx(motion.torque_squared_optimal, rel=0.01)
 
 
-@pytest.mark.parametrize("share_of_need", [0.9, 0.7, 0.5])
+@pytest.mark.parametrize(
+    "share_of_need",
+    [pytest.param(0.9, marks=pytest.mark.slow), 0.7, pytest.param(0.5, marks=pytest.mark.slow)],
+)
 def test_motors_below_what_the_best_springs_leave_settle_and_are_said(share_of_need):
     (best,) = rmj.optimum(arm({}, "seven-joint"))
     limit = share_of_need * np.abs(best.torque).max(axis=0)

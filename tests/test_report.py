@@ -113,7 +113,7 @@ class Opened:
         raise AssertionError(f"never: {script}")
 
 
-@pytest.mark.parametrize("which", ["single", "comparison"])
+@pytest.mark.parametrize("which", ["single", pytest.param("comparison", marks=pytest.mark.slow)])
 def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, which, request):
     with Opened(browser, request.getfixturevalue(which)) as opened:
         opened.page.wait_for_timeout(300)
@@ -125,7 +125,9 @@ def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, 
 
 
 @pytest.mark.opengl
-@pytest.mark.parametrize(("which", "width"), [("single", 320), ("comparison", 480)])
+@pytest.mark.parametrize(
+    ("which", "width"), [("single", 320), pytest.param("comparison", 480, marks=pytest.mark.slow)]
+)
 def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, which, width, request):
     with Opened(browser, request.getfixturevalue(which)) as opened:
         if not opened("document.createElement('video').canPlayType('video/mp4; codecs=avc1')"):
@@ -148,7 +150,7 @@ SCENE = "document.querySelector('#scene')"
 DRAWN = f"+({SCENE}.querySelector('canvas').dataset.drawn || 0)"
 
 
-@pytest.fixture(params=[PHONE, DESK])
+@pytest.fixture(params=[pytest.param(PHONE, marks=pytest.mark.slow), DESK])
 def scene(request, browser, single):
     """A report whose scene has been drawn."""
     with Opened(browser, single, request.param) as opened:
@@ -298,6 +300,7 @@ def test_each_figure_is_drawn_once_and_can_be_read_on_a_phone_and_on_a_desk(brow
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.slow
 def test_words_and_lines_of_figures_stand_out_from_their_paper(browser, single, scheme):
     """Each colour of the figures as the browser shows it, beside the paper of the page."""
     colours = set(

@@ -13,7 +13,7 @@ from resonance_mj.pictures.figures import robustness_figure
 from resonance_mj.plan.plan import plan_for
 
 FEW = tuple(
-    one
+    one._replace(strengths=one.strengths[-2:])
     for one in robustness.IMPERFECTIONS
     if one.name in ("encoder_noise", "motors", "payload", "preset")
 )

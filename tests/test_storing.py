@@ -123,6 +123,7 @@ def test_the_experiment_as_it_was_run_holds_all_that_was_found_and_is_the_same_r
     assert not [note for note in again.notes if "no effect" in note]
 
 
+@pytest.mark.slow
 def test_one_run_at_a_time_has_a_folder_and_the_other_is_told_so(tmp_path):
     folder = tmp_path / "run"
     command = [sys.executable, "-P", "-m", "resonance_mj.cli", "run", "two-link-transfer"]
@@ -164,6 +165,7 @@ def test_a_save_that_is_interrupted_between_its_files_leaves_the_run_before(run,
     assert names(tmp_path) == NAMES
 
 
+@pytest.mark.slow
 def test_runs_saved_into_one_folder_at_once_leave_one_of_them_whole(run, other, tmp_path):
     failed = []
 
@@ -292,10 +294,10 @@ CHANGES = [
 
 @pytest.mark.parametrize("sealed", [False, True], ids=["changed", "made to look whole"])
 def test_a_changed_file_is_refused_before_any_memory_is_asked_for(saved, sealed, tmp_path, capfd):
-    """Two hundred files of one change each; with the digest made anew, what it says must fit."""
+    """Files of one change each; with the digest made anew, what it says must fit."""
     whole = (saved / "run.nc").read_bytes()
     before, chance = rmj.Run.load(saved), random.Random(1)
-    for number in range(200):
+    for number in range(60 if sealed else 200):
         content = io.BytesIO(whole[: -len(storing._seal(b""))])
         with h5py.File(content, "r+") as file:
             name = chance.choice([*file])

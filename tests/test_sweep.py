@@ -122,6 +122,7 @@ rmj.sweep(sys.argv[1], folder=sys.argv[2], progress=lambda *_: print("shard", fl
 """
 
 
+@pytest.mark.slow
 def test_a_sweep_that_is_killed_goes_on_and_ends_with_the_same_bits(tmp_path):
     path = written(
         tmp_path, "[keys]\nlaw.beta = [2.0, 3.0, 4.0, 5.0, 6.0, 7.0]\nlaw.lead = [1, 2]\n"

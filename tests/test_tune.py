@@ -76,6 +76,7 @@ def test_where_nothing_is_within_the_constraints_nothing_is_found(tmp_path):
     assert found.experiment == BASE
 
 
+@pytest.mark.slow
 def test_an_interrupted_search_goes_on_and_ends_with_the_same_bits(tmp_path):
     whole = tuned(folder=tmp_path / "whole")
 

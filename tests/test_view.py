@@ -317,6 +317,7 @@ def test_an_experiment_is_simulated_in_a_window_that_pauses_and_closes_by_keys(s
         process.kill()
 
 
+@pytest.mark.slow
 def test_a_replay_ends_once_its_span_is_over(screen, folder):
     process = command(screen, folder, "--from", "2c", "--to", "2c", "--speed", "4", "--once")
     said = process.communicate(timeout=60)
@@ -324,6 +325,7 @@ def test_a_replay_ends_once_its_span_is_over(screen, folder):
     assert (screen.picture() == 0).all()
 
 
+@pytest.mark.slow
 def test_windows_open_one_after_the_other_in_one_process(screen, folder):
     code = (
         "import sys, resonance_mj as rmj\n"
@@ -340,6 +342,7 @@ def test_windows_open_one_after_the_other_in_one_process(screen, folder):
     assert (done.returncode, done.stdout, done.stderr) == (0, "[True, True]\n", "")
 
 
+@pytest.mark.slow
 def test_an_interrupt_closes_the_window_and_is_one_line(screen, folder):
     process = command(screen, folder, "--background", "dark", "--no-legend", "--no-head-up")
     assert until(lambda: screen.picture().any())
@@ -424,6 +427,7 @@ def test_an_experiment_is_watched_in_a_browser_that_pauses_it_and_begins_again(w
     page.close()
 
 
+@pytest.mark.slow
 def test_a_replay_is_sent_to_a_browser_until_its_end(watched, folder):
     process, port = watched(str(folder), "--once", "--speed", "0.5")
     status, page = asked(port, "GET", "/")
