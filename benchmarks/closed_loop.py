@@ -27,7 +27,7 @@ import numpy as np
 
 import resonance_mj as rmj
 from resonance_mj.callback.callback import installed
-from resonance_mj.laws import controller
+from resonance_mj.laws import adjusting
 from resonance_mj.laws.memory import Memory
 from resonance_mj.plan.plan import Plan, plan_for
 from resonance_mj.simulation.member import Member
@@ -60,9 +60,9 @@ class Arm:
 
     def write_springs(self) -> None:
         """Put the springs of the memory into the model, as at the start of a cycle."""
-        controller.write_springs(
-            self.memory.block(0), self.model.jnt_stiffness, self.model.qpos_spring
-        )
+        model = self.model
+        springs = model.jnt_stiffness, model.qpos_spring, model.dof_damping
+        adjusting.write_springs(self.memory.block(0), *springs)
 
     def warm_up(self, cycles: int) -> None:
         """Run whole cycles with learning, and keep the state at the end of the last."""

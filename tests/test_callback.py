@@ -14,7 +14,7 @@ from resonance_mj import library
 from resonance_mj.callback import callback
 from resonance_mj.callback.callback import installed
 from resonance_mj.errors import CallbackError, DivergedWarning
-from resonance_mj.laws import controller
+from resonance_mj.laws import adjusting
 from resonance_mj.laws.memory import Memory
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.robots.robot import build
@@ -403,7 +403,8 @@ def test_numbers_that_a_model_s_author_keeps_in_userdata_are_untouched(tmp_path)
     memory = Memory(data.userdata[None], one.layout)
     load_law(memory, 0, one)
     load_motion(memory, 0, one, 0)
-    controller.write_springs(memory.block(0), model.jnt_stiffness, model.qpos_spring)
+    springs = model.jnt_stiffness, model.qpos_spring, model.dof_damping
+    adjusting.write_springs(memory.block(0), *springs)
     with installed():
         mujoco.mj_step(model, data, 1000)
     np.testing.assert_array_equal(data.userdata[:5], notes)

@@ -17,6 +17,7 @@ import mujoco
 
 from ..errors import CallbackError, ExperimentError
 from ..laws import memory
+from ..laws.adjusting import deviate
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.custom_law import custom, said
 from ..laws.views import block, own
@@ -165,9 +166,10 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
                 raise
             file = law.__code__.co_filename
             raise ExperimentError(f"{file}: command raised {said(error, file)}") from error
+    deviate(mem, data.qpos, data.qvel, model.jnt_stiffness, model.qpos_spring, data.qfrc_passive)
     if failed(mem):
         hold(data.qvel, data.ctrl, data.qfrc_bias, data.qfrc_passive)
-    end_stage(mem, model.jnt_stiffness, model.qpos_spring)
+    end_stage(mem, model.jnt_stiffness, model.qpos_spring, model.dof_damping)
 
 
 def _compiled(command: Command = standard) -> Callable[..., Any]:

@@ -12,6 +12,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic, register_jitable
 
 from ..errors import ExperimentError
+from ..laws.adjusting import deviate
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom
 from ..laws.memory import Header
@@ -39,7 +40,7 @@ def translate(
         ExperimentError: Numba cannot compile the command of a law's file.
     """
     command, law = _registered(command)
-    jnt_stiffness, qpos_spring, nq, nv, nu, njnt, nuserdata = model_offsets
+    jnt_stiffness, qpos_spring, dof_damping, nq, nv, nu, njnt, nuserdata = model_offsets
     userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
 
     def control(model: int, data: int) -> None:
@@ -64,18 +65,14 @@ def translate(
                 motors,
                 command,
             )
+        place = _doubles(_word(data, qpos), _word(model, nq))
+        stiffness = _doubles(_word(model, jnt_stiffness), _word(model, njnt))
+        rest = _doubles(_word(model, qpos_spring), _word(model, nq))
+        passive = _doubles(_word(data, qfrc_passive), _word(model, nv))
+        deviate(mem, place, speed, stiffness, rest, passive)
         if failed(mem):
-            hold(
-                speed,
-                motors,
-                _doubles(_word(data, qfrc_bias), _word(model, nv)),
-                _doubles(_word(data, qfrc_passive), _word(model, nv)),
-            )
-        end_stage(
-            mem,
-            _doubles(_word(model, jnt_stiffness), _word(model, njnt)),
-            _doubles(_word(model, qpos_spring), _word(model, nq)),
-        )
+            hold(speed, motors, _doubles(_word(data, qfrc_bias), _word(model, nv)), passive)
+        end_stage(mem, stiffness, rest, _doubles(_word(model, dof_damping), _word(model, nv)))
 
     signature = types.void(types.intp, types.intp)
     try:

@@ -59,7 +59,16 @@ _PROBE = """<mujoco><size nuserdata="11"/><worldbody>
 <site/></worldbody>
 <actuator><motor joint="a"/><motor joint="b"/></actuator></mujoco>"""
 
-MODEL_FIELDS = ("jnt_stiffness", "qpos_spring", "nq", "nv", "nu", "njnt", "nuserdata")
+MODEL_FIELDS = (
+    "jnt_stiffness",
+    "qpos_spring",
+    "dof_damping",
+    "nq",
+    "nv",
+    "nu",
+    "njnt",
+    "nuserdata",
+)
 DATA_FIELDS = (
     "userdata",
     "qpos",

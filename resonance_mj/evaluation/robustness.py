@@ -20,6 +20,7 @@ from ..results.run import Run
 from ..simulation.simulation import simulate_many
 from ..springs.bounds import Bounds
 from ..springs.cost import KINDS, mean_cost
+from ..springs.elements import NO_ELEMENTS
 from ..springs.fit import LinearSprings, fit
 from ..status import Status
 from ..text import NOTHING, minus, number
@@ -214,13 +215,15 @@ def _share(cycle: Cycle, bounds: Bounds) -> float:
     Those of laws that change them within a cycle are taken at their mean, and the torque that the
     motion needs without what feedback makes of noise.
     """
-    exerted = LinearSprings(cycle.stiffness, cycle.offset, cycle.center).torque(cycle.q)
+    q, dq, made_of = cycle.q, cycle.dq, (NO_ELEMENTS, bounds.material)
+    exerted = LinearSprings(cycle.stiffness, cycle.offset, cycle.center, *made_of).torque(q, dq)
     total = low_pass(cycle.tau + exerted, HARMONICS)
-    mean = LinearSprings(cycle.stiffness.mean(axis=0), cycle.offset.mean(axis=0), cycle.center)
-    best = fit(cycle.q, total, bounds, cycle.center, cycle.dq)
+    means = cycle.stiffness.mean(axis=0), cycle.offset.mean(axis=0)
+    mean = LinearSprings(*means, cycle.center, *made_of)
+    best = fit(q, total, bounds, cycle.center, dq)
     needed, left, least = (
         mean_cost(bounds.objective, torque, cycle.dq)
-        for torque in (total, total - mean.torque(cycle.q), total - best.torque(cycle.q))
+        for torque in (total, total - mean.torque(q, dq), total - best.torque(q, dq))
     )
     possible = needed - least
     return (needed - left) / possible if possible > LEAST_REDUCTION * needed else np.nan

@@ -94,6 +94,7 @@ def spring_parts(run: Run) -> SpringParts:
     Raises:
         OutputError: a motion has none: its springs would be those of another motion.
     """
+    run.refuse_material("parts are chosen for linear ones")
     plan, last = run.plan, {cycle.motion: cycle for cycle in kept(run)}
     for motion in run.motions:
         if motion.number - 1 not in last or not motion.tracks[-1]:

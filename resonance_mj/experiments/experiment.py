@@ -94,6 +94,19 @@ class Experiment(Section):
         return self
 
     @model_validator(mode="after")
+    def _springs_of_a_material(self) -> Experiment:
+        springs = self.springs
+        if self.reality.hookean:
+            return self
+        for key, plain_ in (("cost", "torque-squared"), ("element", ()), ("weights", None)):
+            if (given := getattr(springs, key)) != plain_:
+                raise ValueError(
+                    f"springs.{key} = {shown(given)} and reality.spring_* together: springs that "
+                    "are not linear are for the joints' own springs and torque², leave one out"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _equilibrium_at_q_c(self) -> Experiment:
         springs = self.springs
         if (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ..text import listed, nearest, shown
@@ -11,6 +12,7 @@ from .sections import Gains, Positive, Section
 
 Share = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False, strict=True)]
 Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
+Error = Annotated[float, Field(gt=-1, le=10, allow_inf_nan=False, strict=True)]
 Radians = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
 
 BITS_17 = 4.793689962142628e-05
@@ -69,6 +71,16 @@ class Reality(Section):
     stiffness_rate: Positive | None = None
     """How fast the mechanism that sets a spring changes its stiffness [N m/rad/s], which the law
     knows; at once if not given."""
+    spring_error: Error | Annotated[tuple[Error, ...], Field(max_length=1000)] = 0.0
+    """Share by which a spring is stiffer than it is set to be, one for all joints or one each."""
+    spring_stiffening: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False, strict=True)] = 0.0
+    """c of springs that exert k x (1 + c x²) at x from their equilibrium [1/rad²], which the law is
+    not told."""
+    spring_hysteresis: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False, strict=True)] = 0.0
+    """Share of a spring's torque by which it is more as the spring is loaded, and less as it is
+    unloaded."""
+    spring_damping: Seconds = 0.0
+    """Damping of a spring, over its stiffness [s]."""
     friction: Share = 0.0
     """Dry friction of each joint, as a share of the largest torque that it needs without springs
     or friction."""
@@ -96,6 +108,12 @@ class Reality(Section):
             or self.torque_delay
             or self.control_period
         )
+
+    @property
+    def hookean(self) -> bool:
+        """Whether springs are what the law takes them to be."""
+        given = self.spring_stiffening, self.spring_hysteresis, self.spring_damping
+        return not (any(given) or np.any(self.spring_error))
 
     def steps(self, key: str, timestep: float) -> int:
         """A time of this section in time steps; 1 for a control period that is not given."""

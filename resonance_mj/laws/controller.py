@@ -13,6 +13,7 @@ from ..motions import rotations
 from ..springs import spring as springs
 from ..step_functions import step_function
 from . import equations, sensing
+from .adjusting import adapt, write_springs
 from .memory import Header
 from .views import own as views
 from .views import row as record
@@ -216,32 +217,12 @@ def joint_space(memory: np.ndarray) -> None:
 
 
 @step_function
-def adapt(memory: np.ndarray, q: np.ndarray) -> None:
-    """One explicit Euler step of (6), (7) at joint angles q (n,), within the springs' bounds.
-
-    By motor torque, in place of y stands -τ: K̇ = -ε Ω Φ F of Nasiri et al., F the motors' torque.
-    """
-    own = views(memory)
-    dt = own.timestep
-    for j in range(own.n):
-        gamma_k, gamma_qe = own.gamma_k[j], own.gamma_qe[j]
-        y = own.y[j] if own.by_torque == 0.0 else -own.tau[j]
-        if gamma_k == 0.0 and gamma_qe == 0.0:
-            # On its way to where the law wants it, if its mechanism takes time.
-            own.stiffness[j] += own.stiffness_step[j]
-            own.offset[j] += own.offset_step[j]
-            continue
-        k_rate, offset_rate = equations.spring_rates(gamma_k, gamma_qe, q[j], own.q_c[j], y)
-        k, offset = own.stiffness[j] + dt * k_rate, own.offset[j] + dt * offset_rate
-        # The metric of the Lyapunov function (16); a gain of 0 stands for a very stiff direction.
-        weight = max(gamma_qe, 1e-9) / max(gamma_k, 1e-9)
-        own.stiffness[j], own.offset[j] = springs.nearest(
-            k, offset, own.k_min[j], own.k_max[j], own.low[j], own.high[j], weight
-        )
-
-
-@step_function
-def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
+def end_stage(
+    memory: np.ndarray,
+    jnt_stiffness: np.ndarray,
+    qpos_spring: np.ndarray,
+    dof_damping: np.ndarray,
+) -> None:
     """Count this callback; after the last of a time step, write the springs into the model."""
     memory[Header.STAGE] += 1.0
     if memory[Header.STAGE] < memory[Header.STAGES]:
@@ -249,17 +230,7 @@ def end_stage(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.nda
     memory[Header.STAGE] = 0.0
     memory[Header.STEP] += 1.0
     memory[Header.CLOCK] += 1.0
-    write_springs(memory, jnt_stiffness, qpos_spring)
-
-
-@step_function
-def write_springs(memory: np.ndarray, jnt_stiffness: np.ndarray, qpos_spring: np.ndarray) -> None:
-    """Rewrite mjModel's joint springs with the k and q̄_e of the memory."""
-    own = views(memory)
-    for j in range(own.n):
-        k, q_e = springs.equilibrium(own.stiffness[j], own.offset[j], own.q_c[j])
-        jnt_stiffness[int(own.joint_id[j])] = k
-        qpos_spring[int(own.qpos_address[j])] = q_e
+    write_springs(memory, jnt_stiffness, qpos_spring, dof_damping)
 
 
 @step_function

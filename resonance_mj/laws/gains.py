@@ -10,6 +10,7 @@ from ..experiments.law_section import Law
 from ..motions.kinematics import JointMotion, Kinematics
 from ..robots.robot import Robot
 from ..springs.bounds import JointBounds, per_joint
+from ..springs.material import material_of
 
 BANDWIDTH, FASTEST = 100.0, 0.3
 """Feedback bandwidth ω [1/s], and the most that it is of 1/dt."""
@@ -132,7 +133,7 @@ def gains(
         torque_limit=robot.torque_limit,
         bounds=per_joint(
             experiment.springs, robot.joints, robot.elements, f"experiment {experiment.name!r}"
-        ),
+        )._replace(material=material_of(experiment.reality, n)),
     )
 
 

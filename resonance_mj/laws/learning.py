@@ -8,6 +8,7 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, fit, spring_like_part
+from .doubting import Belief
 from .gains import Gains
 from .tuning import Tuning
 
@@ -39,10 +40,17 @@ class Cycle(NamedTuple):
     """The springs at each step (N, n), where they were on their way to `springs`."""
     farthest: float = np.inf
     """How far a stiffness can change in the next cycle [N m/rad]."""
+    passing: bool = False
+    """Whether the motion still grew."""
 
     def spring_torque(self, q: np.ndarray) -> np.ndarray:
-        """Torque of the springs in the cycle at joint angles (N, n) [N m]."""
-        return (self.acting or self.springs).torque(q)
+        """Torque of the springs in the cycle at joint angles (N, n), as the law takes it [N m]."""
+        return self.torque_of(self.acting or self.springs, q)
+
+    def torque_of(self, springs: LinearSprings, q: np.ndarray) -> np.ndarray:
+        """Torque that the law takes springs to exert at joint angles (N, n) [N m]."""
+        belief = self.tuning.springs
+        return springs.torque(q) if belief is None else belief.torque(springs, q)
 
 
 class Learned(NamedTuple):
@@ -52,6 +60,8 @@ class Learned(NamedTuple):
     """Learned torque (N, n) [N m]."""
     springs: LinearSprings
     """That it begins with."""
+    belief: Belief | None = None
+    """What the law takes springs to be, where it doubts that they are linear."""
 
 
 Learn = Callable[[Cycle, Gains, Experiment], Learned]

@@ -28,7 +28,7 @@ _SHAPES: dict[tuple[str, ...], str] = {
     ("joints",): "qpos_address dof_address joint_id actuator_id posture torque_limit tau_min "
     "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq "
     "angle speed angle_before seen commanded slow slower "
-    "stiffness_step offset_step",
+    "stiffness_step offset_step spring_error stiffening hysteresis damping viscous",
     ("coordinates",): "coordinate k_v k_p error rate s",
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",
@@ -85,6 +85,7 @@ _SCALARS = (
     "hold",  # time steps of a control period
     "resolution",  # of the encoders [rad]
     "differs",  # 1 for joint velocities as differences of angles
+    "material",  # 1 for springs that do not follow Hooke's law
     "clock",  # time steps since the run began
     "timestep",
     "stages",  # callbacks per time step: 1, or 4 under RK4

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..text import percent
+from .doubting import Belief
 
 HEAVY = 0.5
 """r below which the feedback is made stronger: the arm is twice as heavy as it was taken to be."""
@@ -47,6 +48,15 @@ class Tuning(NamedTuple):
     """Sum of |Δτ|² over the last pair."""
     before: tuple[np.ndarray, np.ndarray] | None = None
     """Total torque and y of the cycle before (N, n), with the same gains."""
+    springs: Belief | None = None
+    """What springs are taken to be; None for linear ones."""
+
+    def fits(self, shape: tuple[int, int]) -> bool:
+        """Whether it is of cycles of so many samples and joints."""
+        signals = [*(self.before or ())]
+        if self.springs is not None:
+            signals += [self.springs.before, self.springs.known and self.springs.known[1]]
+        return all(one is None or one.shape == shape for one in signals)
 
     def coefficient(self, omega: float, period: float) -> float:
         """What the filters take over of y in a control period [s]; 0 for no filter."""
@@ -72,4 +82,6 @@ class Tuning(NamedTuple):
                 f"learning grew, and no delay explained it: it goes at {percent(self.pace, 0)} of "
                 "its pace"
             )
+        if self.springs is not None:
+            found += self.springs.said()
         return found

@@ -80,7 +80,8 @@ class Plan:
             # Springs of other laws than the printed ones are centred on the motion's own mean.
             center, q = self.q_c if experiment.law.printed else joints.q.mean(axis=0), joints.q
             within = [np.asarray(part).tobytes() for part in (center, *bounds.stiffness)]
-            springs = "springs", *load, *within, repr((experiment.springs, bounds.objective))
+            kind = repr((experiment.springs, bounds.objective, bounds.material))
+            springs = "springs", *load, *within, kind
             work = partial(
                 best_springs, q, torque, center=center, period=motion.period, bounds=bounds
             )

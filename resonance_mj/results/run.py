@@ -15,9 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from ..errors import OutputError
 from ..experiments.experiment import Experiment
+from ..springs import spring
 from ..springs.cost import KINDS, Kind
 from ..springs.elements import Elements
+from ..springs.material import Material, material_of
 from ..status import Status
 from ..text import NOTHING, length, number, percent
 from . import html, storing
@@ -115,6 +118,11 @@ class Run:
         """Equilibrium angle of each joint's spring in the last whole cycle (joint) [rad]."""
         return self.data["equilibrium_per_cycle"][-1]
 
+    @property
+    def material(self) -> Material | None:
+        """What the joints' springs do besides Hooke's law; None for nothing."""
+        return material_of(self.experiment.reality, self.data.sizes["joint"])
+
     def elements(self, parameters: np.ndarray) -> Elements:
         """The arm's elastic elements besides the joints' springs, with parameters (P,).
 
@@ -123,21 +131,35 @@ class Run:
         """
         return Elements(self.plan.robot.elements, parameters) if len(parameters) else Elements()
 
-    def elastic_torque(self, cycle: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """Torque of the elements besides the joints' springs, at samples of the run (N, n) [N m].
+    def refuse_material(self, why: str) -> None:
+        """Raise an OutputError if the run's springs are not linear."""
+        if self.material is not None:
+            raise OutputError(
+                f"run {self.experiment.name!r}: its springs are not linear (reality.spring_*), and "
+                f"{why}"
+            )
+
+    def elastic_torque(self, samples: xr.Dataset) -> np.ndarray:
+        """Torque beside that of linear springs of the joints, at samples of the run (N, n) [N m].
 
         Args:
-            cycle: that each belongs to, counted from 1 (N,).
-            q: joint angles (N, n) [rad].
+            samples: of the run's data, some of them.
         """
+        cycle, q = samples["cycle_of_sample"].values, samples["q"].values
         found = np.zeros_like(q)
+        if (material := self.material) is not None:
+            k, offset, center, dq = (
+                samples[name].values for name in ("stiffness", "offset", "center", "dq")
+            )
+            found += material.torque(k, offset, center, q, dq)
+            found -= spring.torque(k, offset, q, center)
         if "parameter" in self.data:
             of_cycle = self.data["parameters_per_cycle"].values
             for number in np.unique(cycle):
                 mine = cycle == number
                 # A run that diverged ends within a cycle, whose elements were not kept.
                 acting = self.elements(of_cycle[min(number, len(of_cycle)) - 1])
-                found[mine] = acting.torque(q[mine])
+                found[mine] += acting.torque(q[mine])
         return found
 
     def __repr__(self) -> str:

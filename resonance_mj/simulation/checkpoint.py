@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import ExperimentError
+from ..laws.doubting import Belief
 from ..laws.tuning import Tuning
 from ..plan.plan import Plan
 from ..results.run import Run, versions
@@ -31,7 +32,11 @@ def packed(physics: np.ndarray, parameters: np.ndarray, tuning: Tuning) -> np.nd
     weights = None if tuning.known is None else tuning.known[0]
     before = (None, None) if tuning.before is None else tuning.before
     arrays = [physics, parameters, np.array(numbers, float), np.array(tuning.last)]
-    arrays += [np.empty(0) if one is None else one for one in (weights, cross, *before)]
+    belief = tuning.springs or (None,) * len(Belief._fields)
+    *fixed, waited, total, known = belief
+    believed = [*fixed, np.array(waited or 0), total, *(known or (None, None))]
+    every = (weights, cross, *before, *believed)
+    arrays += [np.empty(0) if one is None else one for one in every]
     parts = [np.concatenate([[one.ndim, *one.shape], np.ravel(one)]) for one in arrays]
     return np.concatenate(parts)
 
@@ -56,7 +61,17 @@ def _unpacked(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, Tuning]:
         begin = at + 1 + dims
         at = begin + int(shape.prod())
         arrays.append(state[begin:at].reshape(shape))
-    physics, parameters, numbers, last, weights, cross, total, y = arrays
+    physics, parameters, numbers, last, weights, cross, total, y, *believed = arrays
+    a, squares, products, near, waited, needed, features, v = believed
+    belief = Belief(
+        a=a,
+        squares=squares,
+        products=products,
+        near=near,
+        waited=int(waited),
+        before=needed if needed.size else None,
+        known=(features, v) if v.size else None,
+    )
     share, lead, filtered, delay, ratio, pace, least, noise, cycles, change = numbers.tolist()
     tuning = Tuning(
         share=share,
@@ -72,6 +87,7 @@ def _unpacked(state: np.ndarray) -> tuple[np.ndarray, np.ndarray, Tuning]:
         cycles=int(cycles),
         change=change,
         before=(total, y) if total.size else None,
+        springs=belief if a.size else None,
     )
     return physics, parameters, tuning
 

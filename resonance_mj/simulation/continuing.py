@@ -6,6 +6,8 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..laws import learning
+from ..laws.doubting import Belief
+from ..laws.tuning import Tuning
 from ..plan.plan import Left, Plan
 from ..results.run import Run
 from ..springs.elements import Elements, names
@@ -85,8 +87,9 @@ def start(run: Run, plan: Plan) -> Start:
             q_desired=before.joints[-1].q if "joints" in before.law.told else last["q"].values,
             springs=springs,
             q_s=before.q_s,
+            tuning=Tuning(springs=Belief.of(before.gains.bounds, before.law.listens)),
         )
-        u, springs = before.law.learn(cycle, before.gains, before.experiment)
+        u, springs, _ = before.law.learn(cycle, before.gains, before.experiment)
     return Start(
         q=data["q_end"].values,
         dq=data["dq_end"].values,

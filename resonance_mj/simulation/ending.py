@@ -47,7 +47,7 @@ class LastCycle(NamedTuple):
     @property
     def total(self) -> np.ndarray:
         """Torque of motors and springs (N, n) [N m]."""
-        return self.tau + self.springs.torque(self.q)
+        return self.tau + self.springs.torque(self.q, self.dq)
 
     @property
     def center(self) -> np.ndarray:
@@ -266,3 +266,30 @@ def _motors(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
 
 def _share(share: float) -> str:
     return percent(share, 0) if share >= 0.01 else "less than 1 %"
+
+
+def diverging(plan: Plan, cycle: int, failed: int, why: str, before: LastCycle | None) -> str:
+    """Which motion diverged, in which cycle of the run (from 0), when and why, and what to try.
+
+    `failed`: control step in which it failed, from 1, or 0; `before`: its last whole cycle, if any.
+    """
+    law, segment, dt = (
+        plan.experiment.law,
+        plan.schedule[cycle],
+        plan.experiment.simulation.timestep,
+    )
+    where = f"motion {segment + 1} diverged in cycle {cycle + 1} of the run"
+    if failed:
+        where += f", {(failed - 1) * dt:.3f} s into it"
+    if cycle == 0:
+        by_hand = law.k_v is not None or law.k_p is not None
+        omega = f"a smaller law.omega (now {plan.gains.omega:g} 1/s)"
+        smaller = "smaller law.k_v and law.k_p" if by_hand else omega
+        tries = f"{smaller} or a shorter simulation.timestep (now {dt:g} s)"
+    else:
+        tries = calmer(plan)
+    held = hindrances(plan, segment, before) if before else []
+    if held:
+        why += f"; in the last whole cycle {named(held)}"
+        tries = " or ".join(dict.fromkeys([*(one.cure for one in held), tries]))
+    return f"{where}: {why}; try {tries}"

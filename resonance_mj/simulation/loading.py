@@ -37,6 +37,10 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
     load_springs(memory, index, first_springs(plan), bounds)
+    if bounds.material is not None:
+        for name, value in bounds.material._asdict().items():
+            memory["spring_error" if name == "error" else name][index] = value
+        memory["viscous"][index] = robot.model.dof_damping[robot.dof_address]
     # A joint that turns by a radian in a time step is beyond any sampled control.
     dt = experiment.simulation.timestep
     memory["before"][index] = robot.position
@@ -59,6 +63,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("hold", reality.steps("control_period", dt)),
         ("resolution", reality.encoder_resolution),
         ("differs", reality.velocity == "difference"),
+        ("material", bounds.material is not None),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
         ("speed_limit", 1.0 / dt),
     ):

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import ExperimentError
-from ..laws import controller, learning, listening
+from ..laws import learning, listening
+from ..laws.adjusting import write_springs
+from ..laws.doubting import Belief
 from ..laws.laws import at_limit, listens
 from ..laws.memory import Memory
 from ..laws.tuning import Tuning
@@ -18,7 +20,7 @@ from ..springs.fit import LinearSprings
 from ..status import Status
 from .checkpoint import DAMAGED, STATE, packed, unpacked
 from .continuing import Start
-from .ending import calmer, ending, hindrances, named
+from .ending import diverging, ending, hindrances
 from .loading import (
     first_springs,
     load_law,
@@ -59,7 +61,7 @@ class Member:
         stepper.start(index, plan.robot.qpos)
         load_law(memory, index, plan)
         self._others = first_springs(plan).others
-        self._tuning = Tuning()
+        self._tuning = Tuning(springs=Belief.of(plan.gains.bounds, plan.law.listens))
         self._listens = listens(plan.experiment.law)
         if start is not None:
             self._go_on_from(start)
@@ -85,10 +87,9 @@ class Member:
         self._stepper.restore(physics)
         # Compiled steps go by it unchecked, and a file may come from anywhere.
         same = np.array_equal(self._memory.fixed(self._index), fixed)
-        before = self._tuning.before or ()
         shape = self.plan.steps(self.plan.schedule[run.data.sizes["cycle"] - 1]), self.plan.robot.n
         fits = parameters.shape == self._others.parameters.shape
-        if not (same and fits and all(one.shape == shape for one in before)):
+        if not (same and fits and self._tuning.fits(shape)):
             raise ExperimentError(DAMAGED)
         self._others = self._others._replace(parameters=parameters)
         done = run.data.sizes["cycle"]
@@ -104,6 +105,8 @@ class Member:
         passed, self._passing = self._passing, plan.blending(cycle) is not None
         if begins:
             dt = plan.experiment.simulation.timestep
+            if (belief := self._tuning.springs) is not None:
+                self._tuning = self._tuning._replace(springs=belief.begun())
             if self._listens:
                 self._tuning = listening.begun(self._tuning, plan.gains, dt)
                 load_tuning(self._memory, index, plan, self._tuning)
@@ -120,7 +123,7 @@ class Member:
         self._stepper.models[self._index] = model = robot.model
         elastic.write(model, self._others)
         block = self._memory.block(self._index)
-        controller.write_springs(block, model.jnt_stiffness, model.qpos_spring)
+        write_springs(block, model.jnt_stiffness, model.qpos_spring, model.dof_damping)
 
     def end_cycle(self, cycle: int) -> None:
         """Record a cycle, see how it ended, and learn from it what the next one does.
@@ -135,6 +138,11 @@ class Member:
                 f"{self.plan.experiment.law.kind}: command raised an exception at step {failed} of "
                 f"cycle {cycle + 1}; --interpret says which, and in which line"
             )
+        if (
+            self.plan.gains.bounds.material is not None
+        ):  # plans ask what motions need without springs
+            for _, robot in self.plan.parts(self.plan.schedule[cycle]):
+                robot.model.dof_damping[robot.dof_address] = self._memory["viscous"][self._index]
         signals = self._signals(failed - 1 if failed else steps)
         springs = self.springs
         self._recording.add(signals, springs, whole=not failed)
@@ -219,7 +227,8 @@ class Member:
                 )
                 load_tuning(memory, index, plan, self._tuning)
                 done = done._replace(tuning=self._tuning)
-            learned, wanted = plan.law.learn(done, plan.gains, plan.experiment)
+            learned, wanted, belief = plan.law.learn(done, plan.gains, plan.experiment)
+            self._tuning = self._tuning._replace(springs=belief)
             begin = springs.about(wanted.center)
             begin = replace(begin, stiffness=springs.stiffness.copy(), others=wanted.others)
             load_springs(memory, index, wanted, plan.gains.bounds)
@@ -227,7 +236,7 @@ class Member:
             if np.isfinite(done.farthest):
                 load_way(memory, index, begin, wanted, following)
                 left = 1.0 - np.arange(len(learned))[:, None] / len(learned)
-                ahead = wanted.torque(done.q) - begin.torque(done.q)
+                ahead = done.torque_of(wanted, done.q) - done.torque_of(begin, done.q)
                 learned = learned + left * ahead
         memory["learned"][index, :following] = learning.resample(learned, following)
 
@@ -252,6 +261,7 @@ class Member:
             tuning=self._tuning,
             acting=acting if slow else None,
             farthest=(reality.stiffness_rate or np.inf) * steps * dt if slow else np.inf,
+            passing=self._passing,
         )
 
     def _seen(self, q: np.ndarray) -> np.ndarray:
@@ -269,28 +279,11 @@ class Member:
         why = "" if failed else self._recording.diverges()
         if not failed and not why:
             return ""
-        plan, law, segment = self.plan, self.plan.experiment.law, self.plan.schedule[cycle]
-        dt = plan.experiment.simulation.timestep
-        where = f"motion {segment + 1} diverged in cycle {cycle + 1} of the run"
+        plan = self.plan
         if failed:
             joint = plan.robot.joints[int(self._memory.scalar("failed_joint")[self._index])]
             why = f"{joint} would turn by more than one radian in a time step"
-            where += f", {(failed - 1) * dt:.3f} s into it"
-        if cycle == 0:
-            by_hand = law.k_v is not None or law.k_p is not None
-            smaller = (
-                "law.k_v and law.k_p" if by_hand else f"law.omega (now {plan.gains.omega:g} 1/s)"
-            )
-            a = "" if by_hand else "a "
-            tries = f"{a}smaller {smaller} or a shorter simulation.timestep (now {dt:g} s)"
-        else:
-            tries = calmer(plan)
-        before = self._recording.last.get(segment)
-        held = hindrances(plan, segment, before) if before else []
-        if held:
-            why += f"; in the last whole cycle {named(held)}"
-            tries = " or ".join(dict.fromkeys([*(one.cure for one in held), tries]))
-        return f"{where}: {why}; try {tries}"
+        return diverging(plan, cycle, failed, why, self._recording.last.get(plan.schedule[cycle]))
 
 
 _SPRINGS = ("stiffness", "offset", "q_c")

@@ -60,7 +60,8 @@ class Controller:
         self._cycle, self._step = 0, 0
         self._block, self._tau = self._memory.block(0), self._memory["tau"][0]
         self._tool, self._orientation = robot.position.copy(), robot.orientation.copy()
-        self._spring = np.zeros(robot.model.njnt), np.zeros(robot.model.nq)
+        model = robot.model
+        self._spring = np.zeros(model.njnt), np.zeros(model.nq), np.zeros(model.nv)
         self._do = _compiled(plan.law.command) if compiled else _plain(plan.law.command)
         self._member.begin_cycle(0)
         shapes = (robot.n,), (robot.n,), (len(robot.position_axes),), (robot.m, robot.n)
@@ -186,10 +187,11 @@ def _plain(command: Callable[..., None]) -> Callable[..., None]:
         ctrl: np.ndarray,
         stiffness: np.ndarray,
         spring: np.ndarray,
+        damping: np.ndarray,
     ) -> None:
         given(memory, q, dq, x, J, qpos, qvel, tool)
         act(memory, qpos, qvel, tool, orientation, ctrl, command)
-        end_stage(memory, stiffness, spring)
+        end_stage(memory, stiffness, spring, damping)
 
     return step
 

@@ -89,7 +89,7 @@ class Recording:
             parameters = self._cycles["parameters_per_cycle"][cycle - 1]
             others = Elements(self._robot.elements, parameters)
             own = mine["stiffness"].values, mine["offset"].values
-            acting = LinearSprings(*own, center[0], others)
+            acting = LinearSprings(*own, center[0], others, self._plan.gains.bounds.material)
             dq, segment = mine["dq"].values, int(self._segment[cycle - 1])
             self.last[segment] = LastCycle(q, tau, acting, dq)
 
@@ -145,7 +145,8 @@ class Recording:
             found["joint_rms"][cycle] = _rms(q - signals["q_desired"])
         self._poses.append(q[:: max(1, steps // POSES)])
         own = signals["stiffness"], signals["offset"]
-        acting = LinearSprings(*own, springs.center.copy(), springs.others)
+        material = self._plan.gains.bounds.material
+        acting = LinearSprings(*own, springs.center.copy(), springs.others, material)
         self.last[int(self._segment[cycle])] = LastCycle(q, tau, acting, signals["dq"])
         if self._cost is not None:
             found["cost"][cycle] = self._cost.of(tau, signals["dq"])

@@ -9,6 +9,7 @@ from ..experiments.springs_section import Springs
 from ..text import listed, nearest
 from .cost import Cost
 from .elements import Element
+from .material import Material
 
 
 class Bounds(Protocol):
@@ -38,6 +39,10 @@ class Bounds(Protocol):
     def objective(self) -> Cost | None:
         """What is to be least; None for torque²."""
 
+    @property
+    def material(self) -> Material | None:
+        """What the springs do besides Hooke's law; None for nothing."""
+
 
 class JointBounds(NamedTuple):
     """`Bounds` joint by joint, (n,) each."""
@@ -50,6 +55,8 @@ class JointBounds(NamedTuple):
     """Of each joint's torque² (n,); None for 1 each."""
     objective: Cost | None = None
     """What is to be least; None for torque²."""
+    material: Material | None = None
+    """What the springs do besides Hooke's law; None for nothing."""
 
 
 UNBOUNDED = JointBounds(

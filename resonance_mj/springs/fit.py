@@ -13,11 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import program, spring
+from . import material, program, spring
 from .bounds import Bounds
 from .cost import Cost, usual_torque
 from .elements import NO_ELEMENTS, Elements
 from .least_peak import least_peak
+from .material import Material
 
 
 @dataclass(frozen=True)
@@ -35,20 +36,31 @@ class LinearSprings:
     """Centre q_c (n,) [rad]."""
     others: Elements = NO_ELEMENTS
     """Elements over any joints."""
+    material: Material | None = None
+    """What the joints' own springs do besides Hooke's law; None for nothing."""
 
     def __iter__(self) -> Iterator[np.ndarray]:
         """Stiffness, offset and centre (n,) each."""
         return iter((self.stiffness, self.offset, self.center))
 
-    def torque(self, q: np.ndarray) -> np.ndarray:
-        """Torque at joint angles (N, n) [N m]."""
-        own = spring.torque(self.stiffness, self.offset, q, self.center)
+    def torque(self, q: np.ndarray, dq: np.ndarray | None = None) -> np.ndarray:
+        """Torque at joint angles (N, n) [N m].
+
+        Args:
+            q: joint angles (N, n) [rad].
+            dq: joint velocities (N, n) [rad/s], which springs of a material depend on.
+        """
+        if self.material is None:
+            own = spring.torque(self.stiffness, self.offset, q, self.center)
+        else:
+            assert dq is not None
+            own = self.material.torque(self.stiffness, self.offset, self.center, q, dq)
         return own + self.others.torque(q) if self.others.elements else own
 
     def about(self, center: np.ndarray) -> LinearSprings:
         """The same springs, their offset torque about another centre (n,) [rad]."""
         offset = self.offset + self.stiffness * (self.center - center)
-        return LinearSprings(self.stiffness, offset, center, self.others)
+        return replace(self, offset=offset, center=center)
 
 
 SPRINGS = ("stiffness", "offset", "center")
@@ -79,11 +91,26 @@ def fit(
     Raises:
         ValueError: no elements are within all of their bounds.
     """
+    if bounds.material is not None:
+        assert dq is not None
+        return _of_material(q, torque, dq, bounds, bounds.material).about(center)
     if bounds.objective is not None:
         return _least(q, torque, bounds, bounds.objective, dq).about(center)
     if bounds.elements:
         return _together(q, torque, bounds).about(center)
     return feasible(asked_for(q, torque), q, bounds, center)
+
+
+def _of_material(
+    q: np.ndarray, torque: np.ndarray, dq: np.ndarray, bounds: Bounds, given: Material
+) -> LinearSprings:
+    """The best springs of a material, about the mean angle."""
+    mean, n = q.mean(axis=0), q.shape[1]
+    ends = tuple(np.broadcast_to(mean + end, n) for end in reach(bounds, mean))
+    within = [np.broadcast_to(end, n) for end in bounds.stiffness]
+    shapes = [given.of_joint(j) for j in range(n)]
+    k, q_e = material.best(q, torque, dq, shapes, (within[0], within[1]), (ends[0], ends[1]))
+    return LinearSprings(k, k * (q_e - mean), mean, material=given)
 
 
 def nearest_to_nothing(bounds: Bounds, n: int) -> Elements:

@@ -142,6 +142,6 @@ def best_springs(
         period: cycle time [s].
         bounds: of the springs.
     """
-    dq = velocity(q, period) if bounds.objective else None
+    dq = velocity(q, period) if bounds.objective or bounds.material else None
     best = fit(q, torque, bounds, center, dq)
-    return Optimum(best, period, q, torque - best.torque(q), torque, bounds)
+    return Optimum(best, period, q, torque - best.torque(q, dq), torque, bounds)

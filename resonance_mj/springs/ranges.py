@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from .bounds import JointBounds
-from .fit import LinearSprings, fit, reach
+from .elements import NO_ELEMENTS
+from .fit import fit, reach
+from .material import Material
 from .spring import STILL
 
 if TYPE_CHECKING:
@@ -21,7 +24,7 @@ SEARCHES, LARGEST = 12, 1e9
 
 def stiffness_range(best: Optimum, rise: float) -> np.ndarray:
     """`Optimum.stiffness_range`: in closed form of torque², and else by search."""
-    if best.bounds.objective is not None:
+    if best.bounds.objective is not None or best.bounds.material is not None:
         return _searched(best, rise * best.rate(best.torque_without_springs))
     mean = best.q.mean(axis=0)
     low, high = reach(best.bounds, mean)
@@ -59,7 +62,7 @@ def _searched(best: Optimum, allowed: float) -> np.ndarray:
     bounds, n = cast("JointBounds", best.bounds), best.q.shape[1]
     most = best.rate(best.torque) + allowed
     ends = np.stack([np.broadcast_to(end, n) for end in bounds.stiffness], axis=1)
-    needed = best.torque + LinearSprings(*best.springs).torque(best.q)
+    needed = best.torque + replace(best.springs, others=NO_ELEMENTS).torque(best.q, best.dq)
     for j in np.flatnonzero(best.q.var(axis=0) > STILL):
 
         def beyond(k: float, j: int = int(j)) -> float:
@@ -70,9 +73,12 @@ def _searched(best: Optimum, allowed: float) -> np.ndarray:
             others = np.arange(n) != j
             for end in within.stiffness:
                 end[others] = best.stiffness[others]
-            spring = fit(best.q, needed, within, best.center, best.dq)
             left = best.torque.copy()
-            left[:, j] = (needed - spring.torque(best.q))[:, j]
+            if bounds.material is not None:  # which is fitted joint by joint
+                left[:, j] = _left(best, needed, j, k)
+            else:
+                spring = fit(best.q, needed, within, best.center, best.dq)
+                left[:, j] = (needed - spring.torque(best.q))[:, j]
             return best.rate(left) - most
 
         at = float(best.stiffness[j])
@@ -84,6 +90,19 @@ def _searched(best: Optimum, allowed: float) -> np.ndarray:
             outside = beyond(end) > 0
             ends[j, side] = _crossing(beyond, at, end, SEARCHES) if outside else bound
     return ends
+
+
+def _left(best: Optimum, needed: np.ndarray, j: int, k: float) -> np.ndarray:
+    """What a spring of a material, of a stiffness, leaves at best of a joint's torque (N,)."""
+    bounds = cast("JointBounds", best.bounds)
+    one, rates = slice(j, j + 1), tuple(each[j : j + 1] for each in bounds.material or ())
+    ends = tuple(np.broadcast_to(end, best.q.shape[1])[one] for end in bounds.equilibrium)
+    fixed = np.array([k])
+    own = JointBounds(
+        (fixed, fixed), (ends[0], ends[1]), bounds.about_zero[one], material=Material(*rates)
+    )
+    spring = fit(best.q[:, one], needed[:, one], own, best.center[one], best.dq[:, one])
+    return (needed[:, one] - spring.torque(best.q[:, one], best.dq[:, one]))[:, 0]
 
 
 def _crossing(

@@ -131,9 +131,11 @@ def certify(run: Run) -> Certificates:
         the passivity (15); N of (22). One that does not apply says why.
 
     Raises:
+        OutputError: its springs are not linear.
         RobotError: the robot's file is missing, or is not the one that was run.
         MotionError: the arm cannot follow the motion: likewise.
     """
+    run.refuse_material("the proof is of linear ones")
     plan, cycles = run.plan, kept(run)
     square = plan.robot.m == plan.robot.n
     if square:

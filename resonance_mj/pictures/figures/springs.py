@@ -11,6 +11,7 @@ from ...results.motions import MotionOfRun
 from ...results.run import Run
 from ...springs import spring as law
 from ...springs.elements import Elements
+from ...springs.material import Material
 from ...text import minus, of_joint
 from ..palette import DESIRED, MOTOR, MUTED, OPTIMAL, SPRING_NEGATIVE, SPRING_POSITIVE
 from .sheet import Row, Sheet, heading
@@ -41,7 +42,7 @@ def draw(run: Run, width: float) -> Figure:
     joints = run.data["joint"].values.tolist()
     last = {cycle.motion: cycle for cycle in kept(run)}
     found = [
-        (one, j, _exerted_in(one, run.elements(one.parameters), j))
+        (one, j, _exerted_in(one, run.elements(one.parameters), j, run.material))
         for one in last.values()
         for j in range(len(joints))
     ]
@@ -103,10 +104,15 @@ class Exerted(NamedTuple):
         return self.spring + self.motor
 
 
-def _exerted_in(cycle: Cycle, others: Elements, joint: int) -> Exerted:
+def _exerted_in(
+    cycle: Cycle, others: Elements, joint: int, material: Material | None = None
+) -> Exerted:
     """What springs, elements and motor exerted in a cycle, and the line through the springs'."""
     q = cycle.q[:, joint]
     spring = law.torque(cycle.stiffness[:, joint], cycle.offset[:, joint], q, cycle.center[joint])
+    if material is not None:
+        springs = cycle.stiffness, cycle.offset, cycle.center
+        spring = material.torque(*springs, cycle.q, cycle.dq)[:, joint]
     if others.elements:
         spring = spring + others.torque(cycle.q)[:, joint]
     z, variance = q - q.mean(), float(q.var())

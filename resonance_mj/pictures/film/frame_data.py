@@ -225,7 +225,7 @@ def of_run(run: Run, wanted: np.ndarray, label: str) -> FrameData:
         x=part["x"].values[:, position],
         x_desired=part["x_desired"].values[:, position],
         **{name: part[name].values for name in ("q", "stiffness", "offset", "center", "tau")},
-        elastic=run.elastic_torque(cycle, part["q"].values),
+        elastic=run.elastic_torque(part),
         reduction=np.where(of[last] == segment + 1, reduction[last], np.nan),
         best=best[segment],
         cost=run.cost.name,
