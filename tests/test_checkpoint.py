@@ -62,7 +62,10 @@ def same(one, other):
     )
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case",
+    [*list(CASES)[:2], *(pytest.param(one, marks=pytest.mark.slow) for one in list(CASES)[2:])],
+)
 def test_an_interrupted_run_ends_as_if_nothing_had_happened(case, tmp_path):
     asked = experiment(case)
     whole = rmj.simulate(asked)

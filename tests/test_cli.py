@@ -80,6 +80,7 @@ def test_the_resolved_experiment_runs_again_to_the_same_numbers(finished, tmp_pa
     assert first.data.drop_attrs().equals(again.data.drop_attrs())
 
 
+@pytest.mark.slow
 def test_plot_draws_a_saved_run_again(finished, tmp_path):
     folder, _ = finished
     process = resonance_mj("plot", folder / "runs" / "paper", "--out", tmp_path / "new", cwd=folder)

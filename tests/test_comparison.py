@@ -171,6 +171,7 @@ def test_verdicts_say_what_was_measured(verdict, text):
     assert str(verdict) == text
 
 
+@pytest.mark.slow
 def test_a_comparison_is_written_as_tables_and_runs(compared, tmp_path):
     compared.save(tmp_path)
     rows = json.loads((tmp_path / "compare.json").read_text(encoding="utf-8"))

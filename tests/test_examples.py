@@ -30,6 +30,7 @@ def test_the_notebook_runs_and_shows_what_it_speaks_of(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_the_api_pages_hold_every_public_name_with_its_arguments(tmp_path):
     pytest.importorskip("pdoc")
     made = subprocess.run(

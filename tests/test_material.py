@@ -34,8 +34,15 @@ def really(reality, k, x, v):
     return -loaded - h * np.abs(loaded) * np.tanh(v / TURNS) - d * k * v
 
 
-@pytest.mark.parametrize("interpret", [False, True])
-@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+@pytest.mark.parametrize(
+    ("integrator", "interpret"),
+    [
+        ("Euler", False),
+        ("RK4", False),
+        ("Euler", True),
+        pytest.param("RK4", True, marks=pytest.mark.slow),
+    ],
+)
 def test_a_spring_swings_as_its_differential_equation_says(interpret, integrator):
     """M q̈ + ... = τ + τ_s: torques of inverse dynamics, of the accelerations that were made."""
     reality = {
@@ -156,17 +163,14 @@ def _of_joint(reality, j):
     return reality | {"spring_error": float(error)}
 
 
-@pytest.mark.parametrize("name", ["two-link-transfer", "seven-joint"])
 @pytest.mark.parametrize(
-    "row",
+    ("row", "name"),
     [
-        "cubic",
-        "hysteresis",
-        *(
-            pytest.param(row, marks=pytest.mark.slow)
-            for row in ROWS
-            if row not in ("cubic", "hysteresis")
-        ),
+        ("cubic", "two-link-transfer"),
+        ("hysteresis", "two-link-transfer"),
+        ("all of it", "seven-joint"),
+        *(pytest.param(row, "two-link-transfer", marks=pytest.mark.slow) for row in list(ROWS)[2:]),
+        *(pytest.param(row, "seven-joint", marks=pytest.mark.slow) for row in list(ROWS)[:-1]),
     ],
 )
 def test_the_law_comes_within_three_percent_of_the_best_that_such_springs_can_do(row, name):

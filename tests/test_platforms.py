@@ -49,7 +49,8 @@ sys.platform = SYSTEM
 """
 
 
-@pytest.mark.parametrize("system", ["win32", pytest.param("darwin", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("system", ["win32", "darwin"])
+@pytest.mark.slow
 def test_a_run_is_made_kept_and_read_with_the_same_bits_without_what_is_this_system_s_own(
     system, tmp_path
 ):

@@ -108,6 +108,7 @@ def test_workers_collect_what_holds_expect_and_say_what_is_missed(project):
     assert failures["good"] is None
 
 
+@pytest.mark.slow
 def test_names_and_the_first_failure_select_and_stop_as_for_any_test(project):
     """Here asked for by the option, and by the ini setting above."""
     asked = ("-o", "resonance=false", "--resonance")

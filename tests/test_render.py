@@ -92,6 +92,7 @@ def test_the_strip_shows_a_cursor_that_moves_with_the_video(run, tmp_path):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_without_strip_and_line_the_arm_takes_the_whole_picture(run, tmp_path):
     bare = filmed(run, tmp_path / "out.mp4", plots=False, head_up=False, legend=False)[0]
     assert bare[-1].std() > 0 or bare[0].std() > 0
@@ -128,7 +129,7 @@ def test_a_time_lapse_shows_more_of_the_run_in_fewer_frames(run, tmp_path):
 
 
 @pytest.mark.opengl
-@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+@pytest.mark.parametrize("suffix", [".gif", pytest.param(".webp", marks=pytest.mark.slow)])
 def test_pictures_that_move_are_written_by_extension(run, tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
     rmj.render(run, path, 1.0, 1.3, 10.0, options=rmj.RenderOptions(size=SMALL))
@@ -150,6 +151,7 @@ def test_a_transparent_background_is_transparent_and_the_arm_is_not(run, tmp_pat
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_a_dark_background_is_dark_and_a_white_one_white(run, tmp_path):
     for background, low, high in (("dark", 0, 60), ("white", 245, 256)):
         frame = filmed(run, tmp_path / f"{background}.mp4", background=background)[0]
@@ -310,6 +312,7 @@ def test_bad_options_are_one_line_and_nothing_is_written(
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_a_place_that_cannot_be_written_is_one_line(folder, tmp_path):
     done = command(folder, "--to", "0.1", "-o", "/proc/motion.mp4", cwd=tmp_path)
     assert (done.returncode, list(tmp_path.iterdir())) == (2, [])

@@ -214,6 +214,7 @@ def test_the_figures_have_a_cursor_at_the_scene_s_moment_and_go_to_where_one_cli
     assert shown == pytest.approx((begin + end) / 2, abs=1.0)
 
 
+@pytest.mark.slow
 def test_a_curve_under_the_pointer_says_its_value(browser, single):
     run = rmj.Run.load(single.parent)
     with Opened(browser, single) as page:
@@ -269,7 +270,7 @@ def test_without_webgl_the_page_says_so_and_is_whole_else(browser, single):
 
 
 @pytest.mark.parametrize("width", [PHONE, DESK])
-@pytest.mark.parametrize("which", ["single", "comparison"])
+@pytest.mark.parametrize("which", ["single", pytest.param("comparison", marks=pytest.mark.slow)])
 def test_nothing_is_wider_than_the_screen(browser, which, width, request):
     with Opened(browser, request.getfixturevalue(which), width) as opened:
         opened("document.querySelectorAll('details').forEach(each => each.open = true)")
@@ -346,6 +347,7 @@ def _rgb(colour):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_on_paper_there_is_a_picture_for_the_video_and_all_that_was_folded(
     browser, single, tmp_path
 ):
@@ -392,6 +394,7 @@ def test_the_numbers_in_the_page_are_those_of_the_summary(browser, single):
             assert row[:4] == [segment[key][joint] for key in keys]
 
 
+@pytest.mark.slow
 def test_the_experiment_in_the_page_is_that_of_the_run(browser, single, tmp_path):
     with Opened(browser, single) as opened:
         saved = opened("document.querySelector('a[download=\"paper.toml\"]').href")

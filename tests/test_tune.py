@@ -41,6 +41,7 @@ def test_it_finds_what_a_fine_grid_finds(errors):
     assert float(found.data["objective"][found.data.attrs["best"]]) == found.value
 
 
+@pytest.mark.slow
 def test_what_is_beyond_a_constraint_is_never_the_best(errors):
     _, rms = errors
     level = float(np.nanquantile(rms, 0.5))

@@ -286,6 +286,7 @@ def like(picture, red, green, blue):
     return int(((picture @ colour > 0.985 * length) & (length > 110)).sum())
 
 
+@pytest.mark.slow
 def test_an_experiment_is_simulated_in_a_window_that_pauses_and_closes_by_keys(screen, tmp_path):
     (tmp_path / "arm.xml").write_text(GREY_ARM)
     process = command(screen, "--robot", tmp_path / "arm.xml", "--robot.home", "0.5,1.0")

@@ -80,6 +80,8 @@ IMPERFECTIONS = (
     Imperfection("torque_delay", "ms", (2.0, 5.0, 10.0)),
     Imperfection("control_period", "ms", (2.0, 5.0, 10.0)),
     Imperfection("friction", "%", (1.0, 10.0, 30.0)),
+    Imperfection("spring_stiffening", "1/rad²", (0.2, 0.5, 2.0)),
+    Imperfection("spring_hysteresis", "%", (5.0, 10.0, 20.0)),
     Imperfection("motors", "%", (150.0, 125.0, 105.0)),
     Imperfection("payload", "%", (10.0, 20.0, 40.0)),
     Imperfection("preset", "", ("encoder", "lab", "cheap")),

@@ -143,6 +143,10 @@ class Springs(_Bounds):
     def objective(self) -> None:
         """Torque², likewise: other costs are of the motors of one."""
 
+    @property
+    def material(self) -> None:
+        """None, likewise: `[reality]` has that of one."""
+
     @model_validator(mode="after")
     def _names_differ(self) -> Springs:
         names = [one.called for one in self.element]

@@ -11,10 +11,12 @@ import numpy as np
 
 from ..experiments import law_section
 from ..experiments.experiment import Experiment
-from ..springs.bounds import near, passive
+from ..springs.bounds import JointBounds, near, passive
 from ..springs.cost import velocity
+from ..springs.fit import LinearSprings
 from . import custom_law, doubting, learning
 from .controller import Command, joint_space, joint_task, standard
+from .doubting import Belief
 from .gains import Gains
 from .learning import Cycle, Learn, Learned
 from .tuning import BY_HAND
@@ -128,20 +130,30 @@ def spring_transfer(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learn
 
     Springs of negative stiffness push the arm away, and motors at their limits cannot hold it.
     """
-    v = _learned_torque(cycle, gains)
+    v, q, bounds = _to_hand_over(cycle, gains)
+    dq = None
+    if bounds.objective:  # encoders' noise would be most of the velocity
+        smooth = learning.low_pass(q, gains.harmonics)
+        dq = velocity(smooth, len(q) * cycle.timestep)
+    return learning.transfer(v, q, cycle.acting or cycle.springs, bounds, dq)
+
+
+def transfer_in_doubt(cycle: Cycle, gains: Gains) -> tuple[np.ndarray, LinearSprings, Belief]:
+    """The same where springs may not be linear, with what is believed of them from then on."""
+    assert cycle.tuning.springs is not None
+    v, q, bounds = _to_hand_over(cycle, gains)
+    return doubting.handed_over(cycle.tuning.springs, v, q, cycle, bounds)
+
+
+def _to_hand_over(cycle: Cycle, gains: Gains) -> tuple[np.ndarray, np.ndarray, JointBounds]:
+    """What is learned and the joint angles (N, n) of a cycle, and what the next springs may be."""
     # What was measured was so much before.
     q = np.roll(cycle.q, -cycle.tuning.delay, axis=0)
     bounds = gains.bounds._replace(material=None)  # which no law is told
     bounds = passive(bounds) if at_limit(cycle, gains) else bounds
     if np.isfinite(cycle.farthest):
         bounds = near(bounds, cycle.springs.stiffness, cycle.farthest)
-    if (belief := cycle.tuning.springs) is not None:
-        return Learned(*doubting.handed_over(belief, v, q, cycle, bounds))
-    dq = None
-    if bounds.objective:  # encoders' noise would be most of the velocity
-        smooth = learning.low_pass(q, gains.harmonics)
-        dq = velocity(smooth, len(q) * cycle.timestep)
-    return learning.transfer(v, q, cycle.acting or cycle.springs, bounds, dq)
+    return _learned_torque(cycle, gains), q, bounds
 
 
 def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:

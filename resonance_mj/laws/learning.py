@@ -8,7 +8,6 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..springs.bounds import Bounds
 from ..springs.fit import LinearSprings, fit, spring_like_part
-from .doubting import Belief
 from .gains import Gains
 from .tuning import Tuning
 
@@ -60,8 +59,6 @@ class Learned(NamedTuple):
     """Learned torque (N, n) [N m]."""
     springs: LinearSprings
     """That it begins with."""
-    belief: Belief | None = None
-    """What the law takes springs to be, where it doubts that they are linear."""
 
 
 Learn = Callable[[Cycle, Gains, Experiment], Learned]

@@ -6,8 +6,6 @@ import numpy as np
 
 from ..errors import ExperimentError
 from ..laws import learning
-from ..laws.doubting import Belief
-from ..laws.tuning import Tuning
 from ..plan.plan import Left, Plan
 from ..results.run import Run
 from ..springs.elements import Elements, names
@@ -77,7 +75,8 @@ def start(run: Run, plan: Plan) -> Start:
         others = Elements(elements, data["parameters_per_cycle"].values[-1])
     springs = LinearSprings(k, offset, center, others)
     u = last["u"].values
-    if not data["passage"].values[-1]:
+    # What springs are that are not linear is learned anew.
+    if not data["passage"].values[-1] and run.material is None:
         before = run.plan
         cycle = learning.Cycle(
             u=u,
@@ -87,9 +86,8 @@ def start(run: Run, plan: Plan) -> Start:
             q_desired=before.joints[-1].q if "joints" in before.law.told else last["q"].values,
             springs=springs,
             q_s=before.q_s,
-            tuning=Tuning(springs=Belief.of(before.gains.bounds, before.law.listens)),
         )
-        u, springs, _ = before.law.learn(cycle, before.gains, before.experiment)
+        u, springs = before.law.learn(cycle, before.gains, before.experiment)
     return Start(
         q=data["q_end"].values,
         dq=data["dq_end"].values,

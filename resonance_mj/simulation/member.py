@@ -8,7 +8,7 @@ from ..errors import ExperimentError
 from ..laws import learning, listening
 from ..laws.adjusting import write_springs
 from ..laws.doubting import Belief
-from ..laws.laws import at_limit, listens
+from ..laws.laws import at_limit, listens, transfer_in_doubt
 from ..laws.memory import Memory
 from ..laws.tuning import Tuning
 from ..plan.plan import Plan
@@ -227,8 +227,11 @@ class Member:
                 )
                 load_tuning(memory, index, plan, self._tuning)
                 done = done._replace(tuning=self._tuning)
-            learned, wanted, belief = plan.law.learn(done, plan.gains, plan.experiment)
-            self._tuning = self._tuning._replace(springs=belief)
+            if done.tuning.springs is None:
+                learned, wanted = plan.law.learn(done, plan.gains, plan.experiment)
+            else:
+                learned, wanted, belief = transfer_in_doubt(done, plan.gains)
+                self._tuning = self._tuning._replace(springs=belief)
             begin = springs.about(wanted.center)
             begin = replace(begin, stiffness=springs.stiffness.copy(), others=wanted.others)
             load_springs(memory, index, wanted, plan.gains.bounds)
