@@ -1,7 +1,6 @@
 """Experiments from files, from built-in names, and for an arm with nothing else given."""
 
 import os
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ from .. import library
 from ..errors import ExperimentError
 from ..files import is_file, is_folder, read_text
 from ..text import listed, nearest, shown
+from . import toml
 from .experiment import Experiment
 from .law_section import KINDS
 from .sections import as_file
@@ -34,7 +34,7 @@ def load(name: Any) -> Experiment:
     path = find(name)
     needed = f"give a TOML file or one of {listed(library.experiments())}"
     try:
-        values = tomllib.loads(read_text(path, needed=needed))
+        values = toml.parsed(read_text(path, needed=needed))
     except ValueError as error:
         raise ExperimentError(f"{path}: not valid TOML: {error}") from None
     except RecursionError:

@@ -1,7 +1,6 @@
 """A sweep file: an experiment, and which values each of some of its keys takes."""
 
 import math
-import tomllib
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -13,6 +12,7 @@ from .. import library
 from ..errors import ExperimentError
 from ..files import read_text
 from ..text import listed
+from . import toml
 from .experiment import Experiment
 from .loading import load
 from .sections import Finite, Name, Section
@@ -178,7 +178,7 @@ def read(model: type[Model], path: Path, needed: str) -> Model:
         needed: what to give where there is none.
     """
     try:
-        values = tomllib.loads(read_text(path, needed=needed))
+        values = toml.parsed(read_text(path, needed=needed))
     except ValueError as error:
         raise ExperimentError(f"{path}: not valid TOML: {error}") from None
     except RecursionError:
