@@ -50,7 +50,8 @@ ROWS = {
     "payload of 2 kg": {"payload": 2.0},
     "payload of 4 kg": {"payload": 4.0},
 }
-"""Keys of the experiment or, without a section, of each motion."""
+"""Keys of the experiment or, without a section, of each motion. Springs that are not linear are
+passive and within half a turn, as by default."""
 
 
 def experiment(base, row, seed):
@@ -66,6 +67,8 @@ def experiment(base, row, seed):
     changes = changes | of_row
     if "reality" in changes:
         changes["reality.seed"] = seed
+    if "spring" in row:
+        changes["springs"] = {}
     return base.replace(changes)
 
 

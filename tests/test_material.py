@@ -141,7 +141,8 @@ def judged(run, reality):
     last = {cycle.motion: cycle for cycle in kept(run)}
     for index, motion in enumerate(run.motions):
         cycle = last[index]
-        at = cycle.center + cycle.offset / cycle.stiffness
+        k = cycle.stiffness  # 0 where a joint needs no spring
+        at = cycle.center + np.divide(cycle.offset, k, out=np.zeros_like(k), where=k != 0)
         total = cycle.tau + really(reality, cycle.stiffness, cycle.q - at, cycle.dq)
         needed = run.plan.needed(index)
         if run.plan.robot.m == run.plan.robot.n:

@@ -17,7 +17,8 @@ def parsed(text: str) -> dict[str, Any]:
         RecursionError: something in it is nested too deeply.
     """
     for line in text.splitlines():
-        if line.count(".") > DEEPEST and re.fullmatch(r"[\w\s.-]*", line.partition("=")[0]):
+        key = line.partition("=")[0]
+        if key.count(".") > DEEPEST and re.fullmatch(r"[\w\s.-]*", key):
             raise RecursionError
     return tomllib.loads(text)
 

@@ -38,6 +38,9 @@ spring may change (of which at most `MOST` counts); and how many cycles that is 
 LEAST, LARGEST = (0.1, 0.0), (10.0, 100.0)
 """Between which a is: springs that push away or soften are none."""
 
+SMALL = 0.03
+"""Of the torque of the joint that needs most, what counts as none: a thousandth of torque²."""
+
 WORTH = 1e-4
 """Saving, of what a joint's torque² is without a spring, for which springs are changed."""
 
@@ -131,6 +134,7 @@ def handed_over(
     springs = cycle.springs
     total = v + belief.torque(springs, q)
     size = np.sqrt((total**2).mean(axis=0))
+    size = np.maximum(size, SMALL * size.max())
     before, waited = belief.before, belief.waited + 1
     belief = belief._replace(before=total, waited=waited)
     if before is None or before.shape != total.shape or cycle.passing or not size.all():

@@ -25,7 +25,7 @@ TURNS = 0.01
 PLACES, FINER = 61, 4
 """Equilibria that are tried, and how often anew between the neighbours of the best."""
 
-FARTHEST = 2 * np.pi
+FARTHEST = np.pi
 """How far from the mean angle an equilibrium is searched that has no bounds [rad]."""
 
 Shape = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -111,12 +111,13 @@ def best(
     for j in range(n):
         least, most, low, high = (float(end[j]) for end in within)
         first = max(low, mean[j] - FARTHEST), min(high, mean[j] + FARTHEST)
-        ends = first
-        for _ in range(FINER):
-            places = np.linspace(*ends, PLACES)
+        ends, still = first, q[:, j].var() <= spring.STILL
+        for _ in range(1 if still else FINER):
+            # Where a joint stands still the softest spring is as good as any.
+            places = np.linspace(*ends, 2 if still else PLACES)
             phi = shapes[j](q[:, j] - places[:, None], dq[:, j])
             square, along = (phi**2).mean(axis=1), -(phi @ torque[:, j]) / len(q)
-            allowed = np.full(PLACES, least), np.full(PLACES, most)
+            allowed = np.full(len(places), least), np.full(len(places), most)
             if near is not None:
                 allowed = _within(phi, square, near[0][:, j], near[1][j], least, most)
             with np.errstate(divide="ignore", invalid="ignore"):
