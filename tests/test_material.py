@@ -7,6 +7,7 @@ from scipy.optimize import minimize
 
 import resonance_mj as rmj
 from resonance_mj.errors import ResonanceError
+from resonance_mj.experiments.law_section import KINDS
 from resonance_mj.results.cycles import kept
 from resonance_mj.springs.bounds import UNBOUNDED, JointBounds
 from resonance_mj.springs.fit import fit
@@ -190,6 +191,17 @@ def test_a_law_that_is_given_the_best_springs_leaves_what_is_said_to_be_least():
     run = rmj.simulate(arm("two-link-transfer", STIFFENING, 30, **{"law.kind": "fixed"}))
     for motion in run.motions:
         assert motion.torque_squared[-1] == pytest.approx(motion.torque_squared_optimal, rel=2e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_law_runs_with_such_springs(kind):
+    given = arm("two-link-transfer", STIFFENING | LOSSY, 2, **{"law.kind": kind})
+    run = rmj.simulate(given)
+    assert np.isfinite(run.data["tau"]).all()
+    # A model that is right is told the springs as they are.
+    if kind == "computed-torque":
+        last = run.motions[1]
+        assert last.torque_squared[-1] == pytest.approx(last.torque_squared_optimal, rel=0.05)
 
 
 def test_linear_springs_are_believed_and_nothing_is_said():

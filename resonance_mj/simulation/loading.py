@@ -166,4 +166,4 @@ def load_motion(memory: Memory, index: int, plan: Plan, cycle: int) -> None:
         joints = plan.joint_motion(cycle)
         needed = (1 + plan.experiment.law.overestimate) * plan.loaded[segment].torque(joints)
         springs = plan.optima[segment].springs
-        memory["learned"][index, : len(needed)] = needed - springs.torque(joints.q)
+        memory["learned"][index, : len(needed)] = needed - springs.torque(joints.q, joints.dq)
