@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 import resonance_mj as rmj
 from resonance_mj.callback import callback, machine_code
 
+PACKAGE = Path(rmj.__file__).parent
 TEXT = "define i32 @answer() {\n  ret i32 42\n}\ndeclare void @never_called_and_nowhere()\n"
 
 
@@ -146,3 +148,28 @@ def test_the_law_allocates_nothing_so_that_it_runs_from_disk_without_numba(monke
     rmj.simulate(paper.replace({"motion": short, "expect": {}}))
     assert "mj_jacSite" in needed
     assert [name for name in needed if name.startswith("NRT_MemInfo") and "new" in name] == []
+
+
+EDITED = """
+import sys
+from pathlib import Path
+from resonance_mj.callback import callback
+from resonance_mj.laws import equations, memory
+from resonance_mj.laws.controller import standard
+
+for module in (equations, memory):
+    file = Path(module.__file__)
+    file.write_text(file.read_text() + "# edited\\n")
+    text = callback._sources(standard)
+    assert b"# edited" not in text
+    assert b"def " in text
+"""
+
+
+def test_a_file_that_is_edited_after_it_was_imported_is_not_what_is_compiled(tmp_path):
+    """Else a process that runs old code would put it on disk as the machine code of the new."""
+    shutil.copytree(PACKAGE, tmp_path / "resonance_mj", ignore=shutil.ignore_patterns("runs"))
+    done = subprocess.run(
+        [sys.executable, "-c", EDITED], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr

@@ -21,7 +21,7 @@ from ..laws.adjusting import deviate
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.custom_law import custom, said
 from ..laws.views import block, own
-from ..step_functions import STEP_FUNCTIONS
+from ..step_functions import STEP_FUNCTIONS, keep_source
 from ..turns import compiling
 from .frozen import frozen
 
@@ -209,8 +209,8 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
 
 
 def _sources(command: Command) -> bytes:
-    """All source code that the callback is made of: an edit in any of its files compiles anew."""
+    """All source code that the callback is made of, as it was imported."""
     folder = Path(__file__).parent
     files = {str(folder / "compilation.py"), str(folder / "compiled_views.py"), memory.__file__}
     files |= {function.__code__.co_filename for function in (*STEP_FUNCTIONS, command)}
-    return b"".join(Path(file).read_bytes() for file in sorted(files))
+    return b"".join(map(keep_source, sorted(files)))

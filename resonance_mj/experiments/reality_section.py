@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,6 +12,7 @@ from .sections import Gains, Positive, Section
 
 Share = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False, strict=True)]
 Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
+Several = Positive | Annotated[tuple[Positive, ...], Field(min_length=1, max_length=1000)]
 Error = Annotated[float, Field(gt=-1, le=10, allow_inf_nan=False, strict=True)]
 Radians = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
 
@@ -68,6 +69,14 @@ class Reality(Section):
     motor_torque: Gains | None = None
     """Largest torque of the motors [N m], one for all joints or one each, where it is less than
     what the robot's file allows."""
+    joint_stiffness: Several | None = None
+    """Stiffness of the gear between a motor's rotor, which carries the encoder, and its joint
+    [N m/rad], one for all joints or one each; rigid if not given."""
+    rotor_inertia: Several | None = None
+    """Inertia of a motor behind such a gear, as its joint feels it [kg m^2], one for all joints or
+    one each; the armature of the robot's file if not given."""
+    backlash: Radians = 0.0
+    """Play of such gears, from one side to the other [rad]."""
     stiffness_rate: Positive | None = None
     """How fast the mechanism that sets a spring changes its stiffness [N m/rad/s], which the law
     knows; at once if not given."""
@@ -98,6 +107,16 @@ class Reality(Section):
             )
         return PRESETS[name] | given
 
+    @model_validator(mode="after")
+    def _play_of_a_gear(self) -> Self:
+        for key in ("backlash", "rotor_inertia"):
+            if getattr(self, key) and self.joint_stiffness is None:
+                raise ValueError(
+                    f"{key} = {shown(getattr(self, key))} is of gears that give way: give "
+                    "joint_stiffness too"
+                )
+        return self
+
     @property
     def sensed(self) -> bool:
         """Whether what the law sees, or when it acts, differs from an ideal arm's."""
@@ -107,6 +126,7 @@ class Reality(Section):
             or self.measurement_delay
             or self.torque_delay
             or self.control_period
+            or self.joint_stiffness
         )
 
     @property

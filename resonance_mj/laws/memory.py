@@ -20,6 +20,9 @@ from typing import Any
 import numpy as np
 
 from ..experiments.experiment import Experiment
+from ..step_functions import keep_source
+
+keep_source(__file__)
 
 _SHAPES: dict[tuple[str, ...], str] = {
     # of robot, law and springs: `before` is the position of the tool a time step ago
@@ -28,7 +31,8 @@ _SHAPES: dict[tuple[str, ...], str] = {
     ("joints",): "qpos_address dof_address joint_id actuator_id posture torque_limit tau_min "
     "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq "
     "angle speed angle_before seen commanded slow slower "
-    "stiffness_step offset_step spring_error stiffening hysteresis damping viscous",
+    "stiffness_step offset_step spring_error stiffening hysteresis damping viscous "
+    "encoder_address encoder_dof",
     ("coordinates",): "coordinate k_v k_p error rate s",
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",
@@ -127,8 +131,8 @@ class Layout:
 
     @property
     def wide(self) -> int:
-        """Numbers that a state is: angles, velocities, the tool's place and its Jacobian."""
-        return self.joints + 7 * self.dofs + 12
+        """Numbers of a state: angles, velocities, the tool's place, its Jacobian, the encoders."""
+        return 2 * self.joints + 7 * self.dofs + 12
 
     @property
     def columns(self) -> int:
@@ -198,7 +202,7 @@ class Memory:
         changes = ("stage", "step", "clock", "filtered")
         header = [self.scalar(name)[robot] for name in NUMBERS if name not in changes]
         addresses = ["qpos_address", "dof_address", "joint_id", "actuator_id"]
-        addresses += ["coordinate", "leader"]
+        addresses += ["coordinate", "leader", "encoder_address", "encoder_dof"]
         counts = [self.scalar(name)[robot] for name in ("stage", "clock")]
         whole = [float(0 <= count < 2**53 and count == count // 1) for count in counts]
         ends = self._userdata[robot, -2:]

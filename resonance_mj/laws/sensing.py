@@ -23,6 +23,7 @@ def remember(
     now, at = own.ring[own.clock % own.slots], own.n
     for j in range(own.n):
         now[j] = qpos[int(own.qpos_address[j])]
+        now[at + 7 * own.dofs + 12 + j] = qpos[int(own.encoder_address[j])]
     for dof in range(own.dofs):
         now[at + dof] = qvel[dof]
         for i in range(6):
@@ -38,8 +39,9 @@ def remember(
 def sense(memory: np.ndarray) -> None:
     """What is measured in this step, into the memory.
 
-    Joint angles are those of a delay ago, with noise, in steps of the encoders; the tool's place is
-    where these put it: to first order about where it was, by the Jacobian there.
+    Joint angles are those of a delay ago, of the rotors where gears give way, with noise and in
+    steps of the encoders; the tool's place is where these put it: to first order about where it
+    was, by the Jacobian there.
     """
     own = views(memory)
     n, dofs = own.n, own.dofs
@@ -54,7 +56,8 @@ def sense(memory: np.ndarray) -> None:
         for k in range(3):
             own.orientation_seen[i, k] = then[at + 3 + 3 * i + k]
     for j in range(n):
-        angle, dof = then[j] + own.noise[j], int(own.dof_address[j])
+        angle, dof = then[at + 12 + 6 * dofs + j] + own.noise[j], int(own.dof_address[j])
+        own.qvel_seen[dof] = then[n + int(own.encoder_dof[j])]
         if own.resolution > 0.0:
             angle = own.resolution * np.floor(angle / own.resolution + 0.5)
         own.angle[j], own.seen[j] = angle, angle - then[j]

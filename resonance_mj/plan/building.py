@@ -26,8 +26,9 @@ def built(experiment: Experiment, followed: Followed | None) -> Robot:
     carries = any(motion.carries for motion in experiment.motion)
     how = experiment.simulation.model_copy(update={"samples": None})
     springs = repr(experiment.springs)
-    most = experiment.reality.motor_torque
-    key = "robot", experiment.robot, experiment.task, how, springs, carries, most
+    real = experiment.reality
+    motors = real.motor_torque, real.joint_stiffness, real.rotor_inertia, real.backlash
+    key = "robot", experiment.robot, experiment.task, how, springs, carries, motors
     robot, size = cast("tuple[Robot, int]", followed.get(key, (None, 0)))
     if robot is None or size != room(robot.n, robot.m, robot.model.nv):
         robot = build(experiment, room)

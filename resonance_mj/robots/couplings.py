@@ -1,6 +1,6 @@
 """Joints that a file couples to the arm's in proportion: they follow, without spring or motor."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -20,6 +20,7 @@ class Followers:
         constraint: which of the model's equality constraints couples each.
         joint: its id, after that of its leader where that follows too.
         leader: id of the joint that it follows.
+        rotors: ids of joints that are rotors behind gears, by those of the arm's.
     """
 
     def __init__(self, model: mujoco.MjModel, joints: Sequence[int]) -> None:
@@ -41,7 +42,16 @@ class Followers:
                 self._terms.append((a, b))
                 known.add(one)
                 found = True
+        self.rotors: dict[int, int] = {}
         self._model = model
+
+    def turn(self, rotors: Mapping[int, int]) -> None:
+        """Let rotors follow too, ids of their joints by those of the arm's."""
+        self.rotors = dict(rotors)
+        for leader, rotor in rotors.items():
+            self.joint.append(rotor)
+            self.leader.append(leader)
+            self._terms.append((0.0, 1.0))
 
     def __bool__(self) -> bool:
         return bool(self.joint)

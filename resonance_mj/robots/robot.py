@@ -13,7 +13,7 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..springs.elements import Element
 from ..text import joined
-from . import clearing, elastic, mjcf, motors, options, payload, sound, task
+from . import clearing, elastic, gears, mjcf, motors, options, payload, sound, task
 from . import home as homes
 from .compiling import compile_spec
 from .couplings import Followers
@@ -200,23 +200,28 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         axes = task.axes(experiment.task.coordinates, arm, home)
         task.check_lengths(experiment, joints, axes, path)
         n = len(joints)
-        dofs = n + len(arm.followers.joint)
+        reality = experiment.reality
+        rotors = 0 if reality.joint_stiffness is None else n
+        dofs = n + len(arm.followers.joint) + rotors
         spec.nuserdata = arm.model.nuserdata + room(n, len(axes), dofs)
         carries = any(motion.carries for motion in experiment.motion)
         load = payload.add(spec, arm.site, arm.point) if carries else None
         elements = elastic.elements(experiment.springs, arm, home)
         elastic.add(spec, elements, joints)
+        turned = gears.add(spec, joints, reality)
         model = compile_spec(spec, path)
         joint_id = np.array([model.joint(name).id for name in joints])
         actuator_id = np.array([model.actuator(f"motor_{name}").id for name in joints])
         site = int(model.site(arm.site).id)
         followers = Followers(model, joint_id.tolist())
         followers.narrow(model)
+        followers.turn({model.joint(j).id: model.joint(r).id for j, r in turned.items()})
         qpos = model.qpos0.copy()
         qpos[model.jnt_qposadr[joint_id]] = home
         followers.place(qpos)
         jacobian, position, orientation, inertia = _at_home(model, qpos, joint_id, site, followers)
         sound.check_inertia(inertia, joints, path)
+        inertia = gears.tighten(model, turned, inertia, experiment)
     coordinate = np.array([task.AXES[axis] for axis in axes])
     J = jacobian[coordinate]
     return Robot(
@@ -234,7 +239,7 @@ def build(experiment: Experiment, room: Room = lambda joints, coordinates, dofs:
         coordinate=coordinate,
         position=position,
         orientation=orientation,
-        torque_limit=motors.limits(model, actuator_id, experiment.reality.motor_torque),
+        torque_limit=motors.limits(model, actuator_id, reality.motor_torque),
         home=home,
         qpos=qpos,
         inertia=inertia,

@@ -20,6 +20,10 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     law, bounds, reality = experiment.law, chosen.bounds, experiment.reality
     for name in ("qpos_address", "dof_address", "joint_id", "actuator_id", "coordinate"):
         memory[name][index] = getattr(robot, name)
+    rotors = robot.followers.rotors
+    turned = np.array([rotors.get(int(joint), int(joint)) for joint in robot.joint_id])
+    memory["encoder_address"][index] = robot.model.jnt_qposadr[turned]
+    memory["encoder_dof"][index] = robot.model.jnt_dofadr[turned]
     memory["leader"][index] = -1
     for j, joint in enumerate(robot.joint_id):
         for follower, speed in robot.followers.moved_by(joint)[1:]:
