@@ -22,6 +22,9 @@ HELD = 0.1
 """Most that ω is of 1 over a control period of several time steps, in which torque is held: the
 loop of a real arm is later still."""
 
+GEARED = 0.04
+"""The same where gears give way: rotors swing against the arm at a few hundred rad/s, undamped."""
+
 POSITION = 10.0
 """Least weight α of the position error [1/s]."""
 
@@ -96,7 +99,8 @@ def gains(
     own = gravity_rate(kinematics)
     usual, fastest = PRINTED if law.printed else (BANDWIDTH, FASTEST)
     held = experiment.reality.control_period
-    slower = max(HELD / held, 5 * own) if held > dt else np.inf
+    most = HELD if experiment.reality.joint_stiffness is None else GEARED
+    slower = max(most / held, 5 * own) if held > dt else np.inf
     omega = min(max(usual, 3 * own), fastest / dt, slower) if law.omega is None else law.omega
     rate = min(max(POSITION, own), 0.1 / dt)
     alpha = rate if law.alpha is None else law.alpha

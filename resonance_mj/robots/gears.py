@@ -14,8 +14,9 @@ from ..experiments.experiment import Experiment
 from ..experiments.reality_section import Reality
 from . import names
 
-DAMPED = 0.1
-"""Damping ratio of a rotor against its joint."""
+DAMPED = 0.01
+"""Damping ratio of a rotor against its joint. MuJoCo's Euler takes a tendon's damping d for that of
+each of its joints alone, where it acts as an inertia of d dt: the ratio is small, so that it is."""
 
 FASTEST = 1.0
 """Most that the swing of a rotor against its joint is of 1/dt [rad]."""
