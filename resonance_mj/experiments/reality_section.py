@@ -12,6 +12,7 @@ from .sections import Gains, Positive, Section
 
 Share = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False, strict=True)]
 Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
+Angle = Annotated[float, Field(ge=-3.2, le=3.2, allow_inf_nan=False, strict=True)]
 Several = Positive | Annotated[tuple[Positive, ...], Field(min_length=1, max_length=1000)]
 Error = Annotated[float, Field(gt=-1, le=10, allow_inf_nan=False, strict=True)]
 Radians = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
@@ -69,6 +70,12 @@ class Reality(Section):
     motor_torque: Gains | None = None
     """Largest torque of the motors [N m], one for all joints or one each, where it is less than
     what the robot's file allows."""
+    torque_rate: Several | None = None
+    """How fast motors change their torque [N m/s], one for all joints or one each; at once if not
+    given."""
+    motor_speed: Several | None = None
+    """Speed at which motors have no torque left [rad/s], one for all joints or one each: towards it
+    what they give in the direction in which they turn falls evenly from their limit."""
     joint_stiffness: Several | None = None
     """Stiffness of the gear between a motor's rotor, which carries the encoder, and its joint
     [N m/rad], one for all joints or one each; rigid if not given."""
@@ -77,6 +84,8 @@ class Reality(Section):
     one each; the armature of the robot's file if not given."""
     backlash: Radians = 0.0
     """Play of such gears, from one side to the other [rad]."""
+    stiffness_resolution: Positive | None = None
+    """Step in which the mechanism sets a spring's stiffness [N m/rad], which the law knows."""
     stiffness_rate: Positive | None = None
     """How fast the mechanism that sets a spring changes its stiffness [N m/rad/s], which the law
     knows; at once if not given."""
@@ -90,6 +99,8 @@ class Reality(Section):
     unloaded."""
     spring_damping: Seconds = 0.0
     """Damping of a spring, over its stiffness [s]."""
+    base_tilt: tuple[Angle, Angle] = (0.0, 0.0)
+    """Angles about x, and then about y, by which the base leans [rad]; the task leans with it."""
     friction: Share = 0.0
     """Dry friction of each joint, as a share of the largest torque that it needs without springs
     or friction."""

@@ -147,6 +147,11 @@ class Springs(_Bounds):
     def material(self) -> None:
         """None, likewise: `[reality]` has that of one."""
 
+    @property
+    def resolution(self) -> float:
+        """Any stiffness, likewise."""
+        return 0.0
+
     @model_validator(mode="after")
     def _names_differ(self) -> Springs:
         names = [one.called for one in self.element]

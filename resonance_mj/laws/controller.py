@@ -78,10 +78,18 @@ def act(
         return
     for j in range(own.n):
         # Within the motors' limits; what is not a number stays so, for the check that follows.
-        if own.tau[j] < own.tau_min[j]:
-            own.tau[j] = own.tau_min[j]
-        elif own.tau[j] > own.tau_max[j]:
-            own.tau[j] = own.tau_max[j]
+        low, high = own.tau_min[j], own.tau_max[j]
+        if own.driven:
+            low, high = driven(memory, j, qvel[int(own.dof_address[j])], low, high)
+            before, step = ctrl[int(own.actuator_id[j])], own.torque_step[j]
+            if own.tau[j] < before - step:
+                own.tau[j] = before - step
+            elif own.tau[j] > before + step:
+                own.tau[j] = before + step
+        if own.tau[j] < low:
+            own.tau[j] = low
+        elif own.tau[j] > high:
+            own.tau[j] = high
         speed = abs(qvel[int(own.dof_address[j])])
         spring = abs(springs.torque(k[j], offset[j], qpos[int(own.qpos_address[j])], q_c[j]))
         hardest = own.torque_limit[j]
@@ -101,6 +109,20 @@ def act(
         row.offset[j] = offset[j]
         ctrl[int(own.actuator_id[j])] = own.tau[j]
     adapt(memory, row.q)
+
+
+@step_function
+def driven(
+    memory: np.ndarray, j: int, speed: float, low: float, high: float
+) -> tuple[float, float]:
+    """Least and greatest torque of a motor that turns, of those when it stands still [N m]."""
+    own = views(memory)
+    left = 1.0 - abs(speed) / own.no_load[j]
+    if left < 0.0:
+        left = 0.0
+    if speed > 0.0:
+        return low, high * left
+    return low * left, high
 
 
 @step_function

@@ -153,15 +153,12 @@ def handed_over(
     mean, few = q.mean(axis=0), slice(None, None, max(1, len(q) // SAMPLES))
     low, high = (mean + end for end in reach(bounds, mean))
     least, most = (np.broadcast_to(np.asarray(end, float), mean.shape) for end in bounds.stiffness)
-    k, q_e = material.best(
-        q[few],
-        total[few],
-        np.zeros_like(q[few]),
-        belief.shapes(),
-        (least, most),
-        (low, high),
-        (now[few], belief.near * size),
-    )
+    still, shapes, near = np.zeros_like(q[few]), belief.shapes(), (now[few], belief.near * size)
+    ends = low, high
+    k, q_e = material.best(q[few], total[few], still, shapes, (least, most), ends, near)
+    if bounds.resolution:  # which may be farther away than what is near
+        k = np.clip(np.round(k / bounds.resolution) * bounds.resolution, least, most)
+        k, q_e = material.best(q[few], total[few], still, shapes, (k, k), ends)
     wanted = LinearSprings(k, k * (q_e - mean), mean, springs.others)
     with np.errstate(invalid="ignore"):
         then = belief.torque(wanted, q)

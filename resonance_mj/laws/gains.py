@@ -137,7 +137,10 @@ def gains(
         torque_limit=robot.torque_limit,
         bounds=per_joint(
             experiment.springs, robot.joints, robot.elements, f"experiment {experiment.name!r}"
-        )._replace(material=material_of(experiment.reality, n)),
+        )._replace(
+            material=material_of(experiment.reality, n),
+            resolution=experiment.reality.stiffness_resolution or 0.0,
+        ),
     )
 
 

@@ -97,7 +97,7 @@ def listens(law: law_section.Law) -> bool:
 def at_limit(cycle: Cycle, gains: Gains) -> float:
     """Share of a cycle, of all motors, in which they are at their limits."""
     low, high = gains.torque_limit.T
-    return float(((cycle.tau <= low) | (cycle.tau >= high)).mean())
+    return max(float(((cycle.tau <= low) | (cycle.tau >= high)).mean()), cycle.slow)
 
 
 def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:

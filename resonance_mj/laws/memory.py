@@ -32,7 +32,7 @@ _SHAPES: dict[tuple[str, ...], str] = {
     "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq "
     "angle speed angle_before seen commanded slow slower "
     "stiffness_step offset_step spring_error stiffening hysteresis damping viscous "
-    "encoder_address encoder_dof",
+    "encoder_address encoder_dof torque_step no_load",
     ("coordinates",): "coordinate k_v k_p error rate s",
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",
@@ -89,6 +89,7 @@ _SCALARS = (
     "hold",  # time steps of a control period
     "resolution",  # of the encoders [rad]
     "differs",  # 1 for joint velocities as differences of angles
+    "driven",  # 1 for motors with a rate or a speed
     "material",  # 1 for springs that do not follow Hooke's law
     "clock",  # time steps since the run began
     "timestep",

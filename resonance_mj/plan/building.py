@@ -27,8 +27,9 @@ def built(experiment: Experiment, followed: Followed | None) -> Robot:
     how = experiment.simulation.model_copy(update={"samples": None})
     springs = repr(experiment.springs)
     real = experiment.reality
-    motors = real.motor_torque, real.joint_stiffness, real.rotor_inertia, real.backlash
-    key = "robot", experiment.robot, experiment.task, how, springs, carries, motors
+    motors = real.motor_torque, real.motor_speed, real.base_tilt
+    geared = real.joint_stiffness, real.rotor_inertia, real.backlash
+    key = "robot", experiment.robot, experiment.task, how, springs, carries, motors, geared
     robot, size = cast("tuple[Robot, int]", followed.get(key, (None, 0)))
     if robot is None or size != room(robot.n, robot.m, robot.model.nv):
         robot = build(experiment, room)

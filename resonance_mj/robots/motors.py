@@ -3,7 +3,10 @@
 import mujoco
 import numpy as np
 
-from ..text import Note, listed
+from ..errors import ExperimentError
+from ..experiments.experiment import Experiment
+from ..experiments.reality_section import Reality
+from ..text import Note, listed, shown
 
 BOUNDED = (
     mujoco.mjtDyn.mjDYN_NONE,
@@ -154,11 +157,44 @@ def add_motor(spec: mujoco.MjSpec, joint: str, limit: tuple[float, float] | None
     motor.set_to_motor()
 
 
-def limits(
-    model: mujoco.MjModel, actuator_id: np.ndarray, most: float | tuple[float, ...] | None
-) -> np.ndarray:
-    """Least and greatest torque of motors (n, 2) [N m], by the model and by what is allowed."""
+def limits(model: mujoco.MjModel, actuator_id: np.ndarray, experiment: Experiment) -> np.ndarray:
+    """Least and greatest torque of motors (n, 2) [N m], by the model and by what is allowed.
+
+    Raises:
+        ExperimentError: motors lose torque with speed and have no limit to lose it from.
+    """
+    most, speed = experiment.reality.motor_torque, experiment.reality.motor_speed
     limited = model.actuator_ctrllimited[actuator_id, None].astype(bool)
     limits = np.where(limited, model.actuator_ctrlrange[actuator_id], [-np.inf, np.inf])
     largest = np.broadcast_to(np.inf if most is None else np.asarray(most), len(limits))[:, None]
-    return np.clip(limits, -largest, largest)
+    found = np.clip(limits, -largest, largest)
+    if speed is not None and not np.isfinite(found).all():
+        raise ExperimentError(
+            f"experiment {experiment.name!r}: reality.motor_speed = {shown(speed)}: motors lose "
+            "torque with speed from a limit, which some have not: give reality.motor_torque"
+        )
+    return found
+
+
+def limits_along(
+    torque_limit: np.ndarray, reality: Reality, timestep: float, tau: np.ndarray, dq: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest torque of motors at each step of a cycle (N, n) [N m].
+
+    Args:
+        torque_limit: of each when it stands still (n, 2) [N m].
+        reality: says how fast they are.
+        timestep: [s].
+        tau: what they gave (N, n) [N m].
+        dq: joint velocities (N, n) [rad/s].
+    """
+    low, high = (np.broadcast_to(end, tau.shape) for end in torque_limit.T)
+    if reality.motor_speed is not None:
+        left = np.maximum(1.0 - np.abs(dq) / np.asarray(reality.motor_speed), 0.0)
+        low, high = np.where(dq < 0, low * left, low), np.where(dq > 0, high * left, high)
+    if reality.torque_rate is not None:
+        step = np.asarray(reality.torque_rate) * timestep * (1 - 1e-9)
+        before = np.vstack([tau[:1], tau[:-1]])
+        low = np.where(np.arange(len(tau))[:, None] > 0, np.maximum(low, before - step), low)
+        high = np.where(np.arange(len(tau))[:, None] > 0, np.minimum(high, before + step), high)
+    return low, high

@@ -1,6 +1,7 @@
 """What an experiment says of the simulation, in an arm's model."""
 
 import mujoco
+import numpy as np
 
 from ..experiments.experiment import Experiment
 from .mjcf import Arm
@@ -10,6 +11,14 @@ INTEGRATORS = {
     "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
     "RK4": mujoco.mjtIntegrator.mjINT_RK4,
 }
+
+
+def leaning(gravity: np.ndarray, about_x: float, about_y: float) -> np.ndarray:
+    """Gravity (3,) [m/s²] as a base has it that leans by angles about x, and then about y [rad]."""
+    (c, s), (k, z) = ((np.cos(a), np.sin(a)) for a in (about_x, about_y))
+    first = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    second = np.array([[k, 0, z], [0, 1, 0], [-z, 0, k]])
+    return np.asarray((second @ first).T @ gravity)
 
 
 def write(spec: mujoco.MjSpec, experiment: Experiment, arm: Arm) -> None:
@@ -33,6 +42,8 @@ def write(spec: mujoco.MjSpec, experiment: Experiment, arm: Arm) -> None:
     spec.option.integrator = INTEGRATORS[given.integrator]
     if experiment.simulation.gravity is not None:
         spec.option.gravity = experiment.simulation.gravity
+    if any(experiment.reality.base_tilt):
+        spec.option.gravity = leaning(spec.option.gravity, *experiment.reality.base_tilt)
     # A reset would wipe the record of a run that diverges; the controller detects it first.
     disabled = mujoco.mjtDisableBit.mjDSBL_AUTORESET
     if not experiment.robot.contacts:

@@ -98,6 +98,8 @@ def check_lengths(
         ("law.q_c", law.q_c, "joint", joints),
         ("law.q_s", law.q_s, "joint", joints),
         ("reality.motor_torque", experiment.reality.motor_torque, "joint", joints),
+        ("reality.torque_rate", experiment.reality.torque_rate, "joint", joints),
+        ("reality.motor_speed", experiment.reality.motor_speed, "joint", joints),
         ("reality.joint_stiffness", experiment.reality.joint_stiffness, "joint", joints),
         ("reality.rotor_inertia", experiment.reality.rotor_inertia, "joint", joints),
         ("reality.spring_error", experiment.reality.spring_error, "joint", joints),

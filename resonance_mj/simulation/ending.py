@@ -7,13 +7,9 @@ import numpy as np
 from ..plan.plan import Plan
 from ..results.metrics import TRACKING
 from ..results.motions import MotionOfRun
-from ..robots.touching import PASSING, touching
-from ..springs.fit import LinearSprings
 from ..status import Status
-from ..text import Caution, angle, joined, length, percent
-
-LOOKED_AT = 250
-"""Samples of a cycle at which it is seen what touches."""
+from ..text import Caution, angle, length, percent
+from .hindrances import Hindrance, LastCycle, hindrances, named
 
 GROWN, FLOOR = 2.0, 0.01
 """How many times its least an error is that grows, and the share of what tracks below which none
@@ -27,41 +23,6 @@ LEAST_RISE = 1.05
 
 WORTH = 0.01
 """Share of torque² without springs below which growth of torque² is none."""
-
-MOST = 3
-"""Hindrances that a message names."""
-
-
-class LastCycle(NamedTuple):
-    """The last whole cycle of a motion."""
-
-    q: np.ndarray
-    """Joint angles (N, n) [rad]."""
-    tau: np.ndarray
-    """Motor torque (N, n) [N m]."""
-    springs: LinearSprings
-    """That acted, at each step."""
-    dq: np.ndarray
-    """Joint velocities (N, n) [rad/s]."""
-
-    @property
-    def total(self) -> np.ndarray:
-        """Torque of motors and springs (N, n) [N m]."""
-        return self.tau + self.springs.torque(self.q, self.dq)
-
-    @property
-    def center(self) -> np.ndarray:
-        """Of the springs (n,) [rad]."""
-        return self.springs.center
-
-
-class Hindrance(NamedTuple):
-    """What keeps an arm from a motion or acts on it besides motors, springs and gravity."""
-
-    what: str
-    cure: str
-    bears: bool = True
-    """Whether it exerts a force of its own."""
 
 
 class Ending(NamedTuple):
@@ -128,18 +89,6 @@ def calmer(plan: Plan) -> str:
         f"{lead}a smaller law.{key} (now {now:g}) or a shorter simulation.timestep "
         f"(now {timestep:g} s)"
     )
-
-
-def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
-    """What touches in a whole cycle of a motion, and what is at the end of what it can do."""
-    of = (_contacts, _ranges, _motors)
-    return [one for found in of for one in found(plan, index, cycle)]
-
-
-def named(held: list[Hindrance]) -> str:
-    """The first few of them in a row; a run's notes have all."""
-    more = len(held) - MOST
-    return joined([one.what for one in held[:MOST]] + ([f"{more} more"] if more > 0 else []))
 
 
 def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) -> str:
@@ -216,56 +165,6 @@ def _faster(values: np.ndarray) -> bool:
     first, middle, last = values[[-1 - 2 * RISING, -1 - RISING, -1]].tolist()
     rises = bool((np.diff(values[-1 - RISING :]) > 0).all())
     return rises and last >= LEAST_RISE * middle and last * first >= middle * middle
-
-
-def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
-    """What touches, how deep and how long."""
-    robot = plan.loaded[index].robot
-    seen = cycle.q[:: max(1, len(cycle.q) // LOOKED_AT)]
-    return [
-        Hindrance(
-            f"{touch}, for {_share(touch.share)} of it",
-            f"another motion.{index}.center, size or robot.home, or {PASSING}",
-        )
-        for touch in touching(robot.model, robot.positions(seen))
-    ]
-
-
-def _ranges(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
-    """Which joints are at the ends of their ranges, and how long."""
-    robot, found = plan.robot, []
-    low, high = robot.model.jnt_range[robot.joint_id].T
-    at_end = ((cycle.q <= low) | (cycle.q >= high)).mean(axis=0) * robot.limited
-    for j in np.flatnonzero(at_end):
-        cure = f"another motion.{index}.center, a smaller motion.{index}.size or another robot.home"
-        found.append(
-            Hindrance(
-                f"{robot.joints[j]} is at the end of its range, {low[j]:.3g} to {high[j]:.3g}, for "
-                f"{_share(at_end[j])} of it",
-                cure,
-            )
-        )
-    return found
-
-
-def _motors(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
-    """Which motors are at their limits, and how long."""
-    robot = plan.robot
-    low, high = robot.torque_limit.T
-    at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean(axis=0)
-    return [
-        Hindrance(
-            f"{robot.joints[j]}'s motor is at its limit, {low[j]:.3g} to {high[j]:.3g} "
-            f"{'N' if robot.slides[j] else 'N m'}, for {_share(at_limit[j])} of it",
-            f"a longer motion.{index}.period or a smaller motion.{index}.size",
-            bears=False,
-        )
-        for j in np.flatnonzero(at_limit)
-    ]
-
-
-def _share(share: float) -> str:
-    return percent(share, 0) if share >= 0.01 else "less than 1 %"
 
 
 def diverging(plan: Plan, cycle: int, failed: int, why: str, before: LastCycle | None) -> str:

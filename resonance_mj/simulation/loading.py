@@ -41,12 +41,16 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
     memory["k_min"][index], memory["k_max"][index] = bounds.stiffness
     memory["tau_min"][index], memory["tau_max"][index] = robot.torque_limit.T
     load_springs(memory, index, first_springs(plan), bounds)
+    dt = experiment.simulation.timestep
+    memory["torque_step"][index] = np.inf
+    if reality.torque_rate is not None:
+        memory["torque_step"][index] = np.asarray(reality.torque_rate) * dt
+    memory["no_load"][index] = np.inf if reality.motor_speed is None else reality.motor_speed
     if bounds.material is not None:
         for name, value in bounds.material._asdict().items():
             memory["spring_error" if name == "error" else name][index] = value
         memory["viscous"][index] = robot.model.dof_damping[robot.dof_address]
     # A joint that turns by a radian in a time step is beyond any sampled control.
-    dt = experiment.simulation.timestep
     memory["before"][index] = robot.position
     memory["torque_limit"][index] = np.diag(robot.inertia) / dt**2
     for name, value in (
@@ -67,6 +71,7 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("hold", reality.steps("control_period", dt)),
         ("resolution", reality.encoder_resolution),
         ("differs", reality.velocity == "difference"),
+        ("driven", reality.torque_rate is not None or reality.motor_speed is not None),
         ("material", bounds.material is not None),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
         ("speed_limit", 1.0 / dt),

@@ -20,7 +20,8 @@ from ..springs.fit import LinearSprings
 from ..status import Status
 from .checkpoint import DAMAGED, STATE, packed, unpacked
 from .continuing import Start
-from .ending import diverging, ending, hindrances
+from .ending import diverging, ending
+from .hindrances import hindrances, slow
 from .loading import (
     first_springs,
     load_law,
@@ -247,7 +248,7 @@ class Member:
         """A cycle's signals as its law sees them."""
         plan, reality = self.plan, self.plan.experiment.reality
         dt, steps = plan.experiment.simulation.timestep, len(signals["u"])
-        slow = reality.stiffness_rate is not None and plan.law.listens
+        on_its_way = reality.stiffness_rate is not None and plan.law.listens
         acting = LinearSprings(
             signals["stiffness"], signals["offset"], springs.center, springs.others
         )
@@ -262,9 +263,10 @@ class Member:
             timestep=dt,
             hold=reality.steps("control_period", dt),
             tuning=self._tuning,
-            acting=acting if slow else None,
-            farthest=(reality.stiffness_rate or np.inf) * steps * dt if slow else np.inf,
+            acting=acting if on_its_way else None,
+            farthest=(reality.stiffness_rate or np.inf) * steps * dt if on_its_way else np.inf,
             passing=self._passing,
+            slow=slow(plan, signals["tau"], signals["dq"]),
         )
 
     def _seen(self, q: np.ndarray) -> np.ndarray:

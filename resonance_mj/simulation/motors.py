@@ -7,7 +7,7 @@ import numpy as np
 from ..plan.plan import Plan
 from ..results import schema
 from ..springs.optimum import Optimum
-from .ending import LastCycle
+from .hindrances import LastCycle
 
 
 def of_motors(

@@ -16,7 +16,7 @@ from ..springs.elements import Elements, names
 from ..springs.fit import SPRINGS, LinearSprings
 from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
-from .ending import Hindrance, LastCycle
+from .hindrances import Hindrance, LastCycle
 from .motors import of_motors
 from .thinning import kept_cycles
 

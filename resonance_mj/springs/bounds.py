@@ -43,6 +43,10 @@ class Bounds(Protocol):
     def material(self) -> Material | None:
         """What the springs do besides Hooke's law; None for nothing."""
 
+    @property
+    def resolution(self) -> float:
+        """Step in which stiffness is set [N m/rad]; 0 for any."""
+
 
 class JointBounds(NamedTuple):
     """`Bounds` joint by joint, (n,) each."""
@@ -57,6 +61,8 @@ class JointBounds(NamedTuple):
     """What is to be least; None for torque²."""
     material: Material | None = None
     """What the springs do besides Hooke's law; None for nothing."""
+    resolution: float = 0.0
+    """Step in which stiffness is set [N m/rad]; 0 for any."""
 
 
 UNBOUNDED = JointBounds(
@@ -69,6 +75,13 @@ def passive(bounds: JointBounds) -> JointBounds:
     """The same without springs of negative stiffness, where others are allowed."""
     least, most = bounds.stiffness
     return bounds._replace(stiffness=(np.where(most >= 0, np.maximum(least, 0.0), least), most))
+
+
+def steps(bounds: JointBounds, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The stiffnesses that can be set next below and next above given ones (n,)."""
+    below = np.floor(stiffness / bounds.resolution) * bounds.resolution
+    low, high = (np.clip(k, *bounds.stiffness) for k in (below, below + bounds.resolution))
+    return low, high
 
 
 def near(bounds: JointBounds, stiffness: np.ndarray, away: float) -> JointBounds:

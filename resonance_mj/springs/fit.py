@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
 from . import material, program, spring
-from .bounds import Bounds
+from .bounds import Bounds, JointBounds, steps
 from .cost import Cost, usual_torque
 from .elements import NO_ELEMENTS, Elements
 from .least_peak import least_peak
@@ -91,6 +92,8 @@ def fit(
     Raises:
         ValueError: no elements are within all of their bounds.
     """
+    if bounds.resolution:
+        return _in_steps(q, torque, cast("JointBounds", bounds), center, dq)
     if bounds.material is not None:
         assert dq is not None
         return _of_material(q, torque, dq, bounds, bounds.material).about(center)
@@ -99,6 +102,27 @@ def fit(
     if bounds.elements:
         return _together(q, torque, bounds).about(center)
     return feasible(asked_for(q, torque), q, bounds, center)
+
+
+def _in_steps(
+    q: np.ndarray,
+    torque: np.ndarray,
+    bounds: JointBounds,
+    center: np.ndarray,
+    dq: np.ndarray | None,
+) -> LinearSprings:
+    """The best springs whose stiffness is set in steps: joint by joint one of the two next to it.
+
+    Torque² is convex in the stiffness of each joint with its best offset.
+    """
+    any_ = bounds._replace(resolution=0.0)
+
+    def of(k: np.ndarray) -> LinearSprings:
+        return fit(q, torque, any_._replace(stiffness=(k, k)), center, dq)
+
+    low, high = steps(bounds, fit(q, torque, any_, center, dq).stiffness)
+    left = [((torque - of(k).torque(q, dq)) ** 2).mean(axis=0) for k in (low, high)]
+    return of(np.where(left[1] < left[0], high, low))
 
 
 def _of_material(

@@ -1,0 +1,141 @@
+"""What keeps an arm from a motion: contacts, the ends of joints' ranges, motors at their limits."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..plan.plan import Plan
+from ..robots.motors import limits_along
+from ..robots.touching import PASSING, touching
+from ..springs.fit import LinearSprings
+from ..text import joined, percent
+
+LOOKED_AT = 250
+"""Samples of a cycle at which it is seen what touches."""
+
+MOST = 3
+"""Hindrances that a message names."""
+
+
+class LastCycle(NamedTuple):
+    """The last whole cycle of a motion."""
+
+    q: np.ndarray
+    """Joint angles (N, n) [rad]."""
+    tau: np.ndarray
+    """Motor torque (N, n) [N m]."""
+    springs: LinearSprings
+    """That acted, at each step."""
+    dq: np.ndarray
+    """Joint velocities (N, n) [rad/s]."""
+
+    @property
+    def total(self) -> np.ndarray:
+        """Torque of motors and springs (N, n) [N m]."""
+        return self.tau + self.springs.torque(self.q, self.dq)
+
+    @property
+    def center(self) -> np.ndarray:
+        """Of the springs (n,) [rad]."""
+        return self.springs.center
+
+
+class Hindrance(NamedTuple):
+    """What keeps an arm from a motion or acts on it besides motors, springs and gravity."""
+
+    what: str
+    cure: str
+    bears: bool = True
+    """Whether it exerts a force of its own."""
+
+
+def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """What touches in a whole cycle of a motion, and what is at the end of what it can do."""
+    of = (_contacts, _ranges, _motors)
+    return [one for found in of for one in found(plan, index, cycle)]
+
+
+def named(held: list[Hindrance]) -> str:
+    """The first few of them in a row; a run's notes have all."""
+    more = len(held) - MOST
+    return joined([one.what for one in held[:MOST]] + ([f"{more} more"] if more > 0 else []))
+
+
+def _contacts(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """What touches, how deep and how long."""
+    robot = plan.loaded[index].robot
+    seen = cycle.q[:: max(1, len(cycle.q) // LOOKED_AT)]
+    return [
+        Hindrance(
+            f"{touch}, for {_share(touch.share)} of it",
+            f"another motion.{index}.center, size or robot.home, or {PASSING}",
+        )
+        for touch in touching(robot.model, robot.positions(seen))
+    ]
+
+
+def _ranges(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """Which joints are at the ends of their ranges, and how long."""
+    robot, found = plan.robot, []
+    low, high = robot.model.jnt_range[robot.joint_id].T
+    at_end = ((cycle.q <= low) | (cycle.q >= high)).mean(axis=0) * robot.limited
+    for j in np.flatnonzero(at_end):
+        cure = f"another motion.{index}.center, a smaller motion.{index}.size or another robot.home"
+        found.append(
+            Hindrance(
+                f"{robot.joints[j]} is at the end of its range, {low[j]:.3g} to {high[j]:.3g}, for "
+                f"{_share(at_end[j])} of it",
+                cure,
+            )
+        )
+    return found
+
+
+def _motors(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """Which motors are at their limits, and how long."""
+    robot = plan.robot
+    low, high = robot.torque_limit.T
+    at_limit = ((cycle.tau <= low) | (cycle.tau >= high)).mean(axis=0)
+    held_back = _held_back(plan, cycle.tau, cycle.dq)
+    return [
+        Hindrance(
+            f"{robot.joints[j]}'s motor is at its limit, {low[j]:.3g} to {high[j]:.3g} "
+            f"{'N' if robot.slides[j] else 'N m'}, for {_share(at_limit[j])} of it",
+            f"a longer motion.{index}.period or a smaller motion.{index}.size",
+            bears=False,
+        )
+        for j in np.flatnonzero(at_limit)
+    ] + [
+        Hindrance(
+            f"{robot.joints[j]}'s motor gives less than it is asked for, by its rate or speed, for "
+            f"{_share(held_back[j])} of it",
+            f"a longer motion.{index}.period or a smaller motion.{index}.size",
+            bears=False,
+        )
+        for j in np.flatnonzero(held_back > at_limit)
+    ]
+
+
+def slow(plan: Plan, tau: np.ndarray, dq: np.ndarray) -> float:
+    """Share of a cycle, of all motors, in which their rate or speed held them back.
+
+    Args:
+        plan: of the run.
+        tau: motor torque (N, n) [N m].
+        dq: joint velocities (N, n) [rad/s].
+    """
+    reality = plan.experiment.reality
+    if reality.torque_rate is None and reality.motor_speed is None:
+        return 0.0
+    return float(_held_back(plan, tau, dq).mean())
+
+
+def _held_back(plan: Plan, tau: np.ndarray, dq: np.ndarray) -> np.ndarray:
+    """Share of a cycle in which each motor was as strong as it can be (n,)."""
+    dt, limit = plan.experiment.simulation.timestep, plan.robot.torque_limit
+    low, high = limits_along(limit, plan.experiment.reality, dt, tau, dq)
+    return np.asarray(((tau <= low) | (tau >= high)).mean(axis=0))
+
+
+def _share(share: float) -> str:
+    return percent(share, 0) if share >= 0.01 else "less than 1 %"
