@@ -125,3 +125,10 @@ def test_what_bounds_are_about_is_said_to_be_idle_where_there_are_none():
     assert not without_effect(
         given.replace({"springs.equilibrium": [-3, 3], "springs.stiffness": [0, 50]})
     )
+
+
+def test_a_seed_without_noise_and_a_velocity_of_exact_angles_are_said_to_be_idle():
+    given = rmj.load("paper").replace({"reality": {"seed": 3, "velocity": "sensor"}})
+    assert [line[:16] for line in without_effect(given)] == ["reality.seed = 3", "reality.velocity"]
+    noisy = given.replace({"reality.encoder_noise": 1e-4})
+    assert not without_effect(noisy)

@@ -62,6 +62,10 @@ def _reasons(
     if law.kind != "transfer":
         yield "law.listens", f"{kind} does not listen"
         yield "reality.stiffness_rate", f"{kind} does not set springs between cycles"
+    if not experiment.reality.encoder_noise:
+        yield "reality.seed", "reality.encoder_noise is 0"
+    if not experiment.reality.sensed:
+        yield "reality.velocity", "joint angles are exact, and their velocities too"
     if springs.cost != "torque-squared":
         yield "springs.weights", f"springs.cost = {springs.cost!r} has none"
     elif not any(one.tendon or len(one.joints or ()) > 1 for one in springs.element):
