@@ -238,6 +238,7 @@ def test_help_and_lists_answer_without_loading_a_simulator(tmp_path):
     assert "law.gamma_qe" in resonance_mj("keys", cwd=tmp_path).stdout
 
 
+@pytest.mark.slow
 def test_a_wheel_made_of_the_source_archive_works_outside_the_checkout(tmp_path):
     """The robots and experiments travel inside the package, and outputs in runs/ do not."""
     checkout = Path(__file__).parents[1]

@@ -74,6 +74,7 @@ def test_what_cannot_go_on_is_refused():
         rmj.simulate(two, after=broken)
 
 
+@pytest.mark.slow
 def test_the_command_goes_on_from_a_folder(tmp_path, capsys):
     line = ["run", "two-link-transfer", "--quiet", "--motion.1.duration=1"]
     assert cli.main([*line, "--motion.0.duration=3", "--out", str(tmp_path / "a")]) in (0, 1)

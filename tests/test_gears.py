@@ -151,6 +151,7 @@ def test_what_cannot_be_is_refused_in_one_line(reality, words):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_a_run_of_such_an_arm_is_saved_read_drawn_and_filmed(tmp_path):
     rmj.simulate(arm("two-link-transfer", STIFF, 2)).save(tmp_path / "run")
     run = rmj.Run.load(tmp_path / "run")

@@ -134,6 +134,7 @@ def test_joints_that_are_off_are_said_to_be_and_not_the_tool(tmp_path):
     assert "The joints are " in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_whole_run_is_saved_read_and_drawn(run, tmp_path):
     again = rmj.Run.load(run.save(tmp_path / "run"))
     assert again.data.identical(run.data)

@@ -158,17 +158,17 @@ def applied_gain(folder):
     ("read", "gain", "file"),
     [
         ('GAIN = float((Path(__file__).parent / "gain.py").read_text())', "GAIN", "{}"),
-        pytest.param("from gain import GAIN", "GAIN", "GAIN = {}", marks=pytest.mark.slow),
-        pytest.param("import gain", "gain.GAIN", "GAIN = {}", marks=pytest.mark.slow),
-        pytest.param(
+        ("from gain import GAIN", "GAIN", "GAIN = {}"),
+        ("import gain", "gain.GAIN", "GAIN = {}"),
+        (
             "from gain import GAINS",
             "GAINS.a",
             "from collections import namedtuple\n"
             "GAINS = namedtuple('Gains', 'a b' if {} == -2.0 else 'b a')(-2.0, -3.0)",
-            marks=pytest.mark.slow,
         ),
     ],
 )
+@pytest.mark.slow
 def test_what_a_law_reads_or_imports_counts_in_each_run(tmp_path, read, gain, file):
     (tmp_path / "mine.py").write_text(DAMPER.format(read=read, gain=gain))
     for number in (-2.0, -3.0):

@@ -40,7 +40,7 @@ def really(reality, k, x, v):
     [
         ("Euler", False),
         ("RK4", False),
-        ("Euler", True),
+        pytest.param("Euler", True, marks=pytest.mark.slow),
         pytest.param("RK4", True, marks=pytest.mark.slow),
     ],
 )

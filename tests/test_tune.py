@@ -98,6 +98,7 @@ def test_an_interrupted_search_goes_on_and_ends_with_the_same_bits(tmp_path):
         tuned(folder=tmp_path / "cut", seed=1)
 
 
+@pytest.mark.slow
 def test_the_command_writes_an_experiment_that_is_the_best(tmp_path):
     (tmp_path / "short.toml").write_text(BASE.to_toml())
     (tmp_path / "eta.toml").write_text(
