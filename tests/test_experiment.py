@@ -146,6 +146,7 @@ def test_every_key_is_described_with_its_meaning():
     rows = describe()
     assert {key for key, _, _ in rows} >= {"law.beta", "simulation.timestep", "robot.mjcf"}
     assert all(meaning for _, _, meaning in rows)
+    assert not any("\n" in meaning for _, _, meaning in rows)
 
 
 @pytest.mark.parametrize(

@@ -208,5 +208,6 @@ def describe() -> list[tuple[str, str, str]]:
             listed = section in ("motion", "springs.element")
             key = ".".join(filter(None, (f"{section}.0" if listed else section, name)))
             default = "(none)" if field.is_required() else shown(field.default)
-            rows.append((key, default, field.description or ""))
+            # A docstring's lines are not those of a table.
+            rows.append((key, default, " ".join((field.description or "").split())))
     return rows
