@@ -1,7 +1,7 @@
 """What springs that are best by each cost leave, and how the law comes there: docs/springs.md.
 
     python benchmarks/costs.py [RUN ...]
-    python benchmarks/costs.py --hold 1000
+    python benchmarks/costs.py --hold 1000 [RUN ...]
 
 Each run has its default gains, and motors of which nothing is given.
 """
@@ -12,22 +12,26 @@ from time import perf_counter
 import numpy as np
 
 import resonance_mj as rmj
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.springs.cost import KINDS
 from resonance_mj.springs.fit import fit
 
 RUNS = ("two-link-transfer", "six-joint-pose", "seven-joint")
 
 
-def held(cycles: int) -> None:
+def held(cycles: int, name: str) -> None:
     """Print the ends of the law's cost over its optimum's in the second half of many cycles."""
-    base = rmj.load("two-link-transfer")
+    base = rmj.load(name)
     one = base.model_dump(exclude_unset=True)["motion"][0] | {"duration": float(cycles)}
     base = base.replace({"motion": [one], "simulation.samples": 2000})
-    joints = "joint1", "joint2"
+    (best,) = rmj.optimum(base)
+    # Elements are on the two joints that need most.
+    most = np.argsort(-(best.torque_without_springs**2).sum(axis=0))[:2]
+    joints = [plan_for(base).robot.joints[j] for j in sorted(most)]
     elements: dict[str, list[dict[str, object]]] = {
         "none": [],
         "cubic": [{"kind": "cubic", "joints": [joint]} for joint in joints],
-        "over two joints": [{"joints": list(joints), "radii": [0.5, -1.5]}],
+        "over two joints": [{"joints": joints, "radii": [0.5, -1.5]}],
     }
     print("| elements | least of | from | least | greatest |\n|---|---|---|---|---|")
     for name, given in elements.items():
@@ -45,10 +49,11 @@ def main() -> None:
     """Print a table of motions by costs."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("runs", nargs="*", default=RUNS)
-    parser.add_argument("--hold", type=int, metavar="CYCLES", help="the paper's arm for so many")
+    parser.add_argument("--hold", type=int, metavar="CYCLES", help="one motion for so many")
     options = parser.parse_args()
     if options.hold:
-        held(options.hold)
+        for name in RUNS[:1] if options.runs == RUNS else options.runs:
+            held(options.hold, name)
         return
     names = options.runs
     experiments = [
