@@ -50,8 +50,8 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         for name, value in bounds.material._asdict().items():
             memory["spring_error" if name == "error" else name][index] = value
         memory["viscous"][index] = robot.model.dof_damping[robot.dof_address]
-    # A joint that turns by a radian in a time step is beyond any sampled control.
     memory["before"][index] = robot.position
+    # A joint that turns by a radian in a time step is beyond any sampled control.
     memory["torque_limit"][index] = np.diag(robot.inertia) / dt**2
     for name, value in (
         ("site", robot.site),

@@ -139,9 +139,8 @@ class Member:
                 f"{self.plan.experiment.law.kind}: command raised an exception at step {failed} of "
                 f"cycle {cycle + 1}; --interpret says which, and in which line"
             )
-        if (
-            self.plan.gains.bounds.material is not None
-        ):  # plans ask what motions need without springs
+        # Plans ask what motions need of the arm without springs, and so without their damping.
+        if self.plan.gains.bounds.material is not None:
             for _, robot in self.plan.parts(self.plan.schedule[cycle]):
                 robot.model.dof_damping[robot.dof_address] = self._memory["viscous"][self._index]
         signals = self._signals(failed - 1 if failed else steps)

@@ -25,6 +25,9 @@ TURNS = 0.01
 PLACES, FINER = 61, 4
 """Equilibria that are tried, and how often anew between the neighbours of the best."""
 
+NOTHING = 1e-15
+"""Saving, of the torque² of the joint that needs most, for which no spring is better than one."""
+
 FARTHEST = np.pi
 """How far from the mean angle an equilibrium is searched that has no bounds [rad]."""
 
@@ -106,6 +109,7 @@ def best(
             it [N m]; a joint for which there is none such gets a stiffness of NaN.
     """
     n, mean = q.shape[1], q.mean(axis=0)
+    nothing = NOTHING * (torque**2).mean(axis=0).max(initial=0.0)
     found = np.full((2, n), np.nan)
     within = [np.broadcast_to(end, n) for end in (*stiffness, *reach)]
     for j in range(n):
@@ -125,6 +129,9 @@ def best(
                 left = np.where(allowed[0] <= allowed[1], square * k**2 - 2 * along * k, np.inf)
             i = int(left.argmin())
             if not np.isfinite(left[i]):
+                break
+            if least <= 0.0 <= most and near is None and left[i] >= -nothing:
+                found[:, j] = 0.0, np.clip(mean[j], low, high)
                 break
             found[:, j] = k[i], places[i]
             step = places[1] - places[0]
