@@ -8,6 +8,7 @@ from scipy.optimize import minimize
 import resonance_mj as rmj
 from resonance_mj.errors import ResonanceError
 from resonance_mj.experiments.law_section import KINDS
+from resonance_mj.pictures.figures import springs as springs_figure
 from resonance_mj.results.cycles import kept
 from resonance_mj.springs.bounds import UNBOUNDED, JointBounds
 from resonance_mj.springs.fit import fit
@@ -248,9 +249,21 @@ def test_what_cannot_be_is_refused_in_one_line(changes, words):
     assert [word for word in words if word not in message] == []
 
 
-def test_what_is_of_linear_springs_alone_is_refused_of_others(tmp_path):
+def test_what_is_of_linear_springs_alone_is_refused_of_others():
     run = rmj.simulate(arm("two-link-transfer", LOSSY, 3))
     with pytest.raises(ResonanceError, match="not linear"):
         rmj.certify(run)
-    rmj.plot(run, tmp_path, figures=["springs"])
-    assert list(tmp_path.iterdir())
+
+
+def test_the_spring_that_is_drawn_as_the_best_is_the_best_such_spring():
+    """Where the law has come to it, its own curve and that of the optimum are one."""
+    run = rmj.simulate(arm("two-link-transfer", STIFFENING, 40))
+    figure = springs_figure.draw(run, 7.0)
+    panels = [ax for ax in figure.axes if ax.lines]
+    assert len(panels) == 4
+    for ax in panels:
+        drawn = {line.get_label() or i: line for i, line in enumerate(ax.lines)}
+        curves = [line.get_xydata() for line in drawn.values() if len(line.get_xdata()) > 100]
+        _motor, own, needed, best = curves
+        size = np.abs(needed[:, 1]).max()
+        assert np.abs(own[: len(best), 1] - best[:, 1]).max() < 0.05 * size

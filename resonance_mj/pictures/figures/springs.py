@@ -70,8 +70,8 @@ def draw(run: Run, width: float) -> Figure:
             notes=(spring_in_words(exerted, slides), saved_in_words(exerted, slides)),
         )
         motion = run.motions[cycle.motion]
-        best = run.elements(np.array(list(motion.parameters_optimal.values())))
-        _loops(ax, exerted, motion, j, best.torque(cycle.q)[:, j] if best.elements else None)
+        beside = _beside_lines(run, cycle, motion)
+        _loops(ax, exerted, motion, j, None if beside is None else beside[:, j])
         ax.set_xlabel("joint position q [m]" if slides else "joint angle q [rad]")
         ax.set_ylabel("force [N]" if slides else "torque [N m]")
     return sheet.figure
@@ -102,6 +102,16 @@ class Exerted(NamedTuple):
     def needed(self) -> np.ndarray:
         """What the motion needs in all (N,) [N m]."""
         return self.spring + self.motor
+
+
+def _beside_lines(run: Run, cycle: Cycle, motion: MotionOfRun) -> np.ndarray | None:
+    """Torque (N, n) of the optimum beside that of linear springs of the joints; None for none."""
+    best = run.elements(np.array(list(motion.parameters_optimal.values())))
+    if run.material is not None:
+        k, q_e = motion.stiffness_optimal, motion.equilibrium_optimal
+        own = run.material.torque(k, np.zeros_like(k), q_e, cycle.q, cycle.dq)
+        return own - law.torque(k, np.zeros_like(k), cycle.q, q_e)
+    return best.torque(cycle.q) if best.elements else None
 
 
 def _exerted_in(
@@ -148,7 +158,7 @@ def _loops(
 ) -> None:
     """Torque over angle of all, closed, with the lines across the whole panel.
 
-    `others`: torque (N,) of the optimal elements besides the joint's spring, if there are any.
+    `others`: torque (N,) of the optimum beside that of the joint's linear spring, if there is any.
     """
     q = exerted.q
     reach = max(1.12 * float(np.ptp(q)), 1e-3 * max(1.0, float(np.abs(q).max()))) / 2
