@@ -80,6 +80,24 @@ def test_stiffness_is_set_in_steps_and_the_optimum_is_the_best_of_these():
             assert min(costs, key=costs.get) == best.stiffness[j], (index, j, free.stiffness)
 
 
+def test_the_range_within_which_cost_hardly_changes_is_about_the_step_that_is_best():
+    """At its ends torque² has risen by what is said, whichever side the best of all is on."""
+    for step in (7.0, 11.0):
+        _, best = rmj.optimum(arm({"stiffness_resolution": step}))
+        bounds = best.bounds._replace(resolution=0.0)
+        allowed = 0.01 * best.torque_squared_without_springs
+        for j, ends in enumerate(best.stiffness_range(0.01)):
+            assert ends[0] <= best.stiffness[j] <= ends[1] < 1e3
+            for k in ends:
+                fixed = best.stiffness.copy()
+                fixed[j] = k
+                within = bounds._replace(stiffness=(fixed, fixed))
+                one = fit(best.q, best.torque_without_springs, within, best.center)
+                left = ((best.torque_without_springs - one.torque(best.q)) ** 2).mean(axis=0)
+                rise = left[j] - (best.torque[:, j] ** 2).mean()
+                assert rise == pytest.approx(allowed, rel=0.02) or k == 0
+
+
 def test_a_base_that_leans_has_gravity_from_the_side():
     """About x, and then y: as if gravity had been given by hand, to the last bit."""
     a, b = 0.3, -0.2

@@ -24,10 +24,11 @@ SEARCHES, LARGEST = 12, 1e9
 
 def stiffness_range(best: Optimum, rise: float) -> np.ndarray:
     """`Optimum.stiffness_range`: in closed form of torque², and else by search."""
-    if best.bounds.objective is not None or best.bounds.material is not None:
+    bounds = best.bounds
+    if bounds.objective is not None or bounds.material is not None or bounds.resolution:
         return _searched(best, rise * best.rate(best.torque_without_springs))
     mean = best.q.mean(axis=0)
-    low, high = reach(best.bounds, mean)
+    low, high = reach(bounds, mean)
     others = best.springs.others
     needed = best.torque_without_springs
     needed = needed - others.torque(best.q) if others.elements else needed
@@ -35,8 +36,7 @@ def stiffness_range(best: Optimum, rise: float) -> np.ndarray:
     rest = needed - level
     allowed = rise * best.torque_squared_without_springs
     most = (best.torque**2).mean(axis=0) + allowed
-    bounds = [np.broadcast_to(end, level.shape) for end in best.bounds.stiffness]
-    ends = np.stack(bounds, axis=1)
+    ends = np.stack([np.broadcast_to(end, level.shape) for end in bounds.stiffness], axis=1)
     squared, both, alone = (z**2).mean(axis=0), (z * rest).mean(axis=0), (rest**2).mean(axis=0)
     for j in np.flatnonzero(squared > STILL):
 
