@@ -97,6 +97,22 @@ def installed(*, interpret: bool = False, command: Command = standard) -> Iterat
                 _turn.notify_all()
 
 
+def stepping(
+    model: mujoco.MjModel, data: mujoco.MjData, *, interpret: bool, command: Command
+) -> Callable[[], None]:
+    """The control callback as a function, for a model and data that MuJoCo does not step.
+
+    Args:
+        model: of the robot; its springs are written.
+        data: with the controller's block, whose number `outside` is 1; `ctrl` is written.
+        interpret: as of `installed`.
+        command: as of `installed`.
+    """
+    if interpret:
+        return partial(_interpreted, command, model, data)
+    return partial(_compiled(command), model._address, data._address)
+
+
 def _wait_for_turn(function: Any) -> None:
     """Return when nobody uses another function and nobody came before who waits for that."""
     ticket = object()
@@ -155,8 +171,9 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
         return
     if begins_step(mem):
         seen = own(mem)
-        rotational = seen.jacobian[3:] if seen.rotates else None
-        mujoco.mj_jacSite(model, data, seen.jacobian[:3], rotational, seen.site)
+        if not seen.outside:
+            rotational = seen.jacobian[3:] if seen.rotates else None
+            mujoco.mj_jacSite(model, data, seen.jacobian[:3], rotational, seen.site)
         orientation = data.site_xmat[seen.site].reshape(3, 3)
         position = data.site_xpos[seen.site]
         try:

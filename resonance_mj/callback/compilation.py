@@ -52,8 +52,9 @@ def translate(
         motors = _doubles(_word(data, ctrl), _word(model, nu))
         if begins_step(mem):
             seen = own(mem)
-            rotational = seen.jacobian[3:].ctypes.data if seen.rotates else 0
-            _mj_jacSite(model, data, seen.jacobian.ctypes.data, rotational, seen.site)
+            if not seen.outside:
+                rotational = seen.jacobian[3:].ctypes.data if seen.rotates else 0
+                _mj_jacSite(model, data, seen.jacobian.ctypes.data, rotational, seen.site)
             position = _word(data, site_xpos) + 24 * seen.site
             orientation = _pointer(_word(data, site_xmat) + 72 * seen.site)
             act(
@@ -85,20 +86,6 @@ def translate(
             "--interpret runs it as plain Python"
         ) from error
     return compiled.inspect_llvm(), compiled.native_name
-
-
-def stepping(
-    step_of: Callable[[Command], Callable[..., None]], command: Command
-) -> Callable[..., None]:
-    """A function around a control step, compiled for calls from Python.
-
-    Args:
-        step_of: makes the function, of step functions and a command.
-        command: the part of the control step that sets y and τ.
-    """
-    command, _ = _registered(command)
-    compiled: Callable[..., None] = numba.njit(error_model="numpy")(step_of(command))
-    return compiled
 
 
 def _registered(command: Command) -> tuple[Command, Callable[..., None] | None]:

@@ -91,6 +91,7 @@ _SCALARS = (
     "differs",  # 1 for joint velocities as differences of angles
     "driven",  # 1 for motors with a rate or a speed
     "material",  # 1 for springs that do not follow Hooke's law
+    "outside",  # 1 where the Jacobian is handed in and not MuJoCo's
     "clock",  # time steps since the run began
     "timestep",
     "stages",  # callbacks per time step: 1, or 4 under RK4

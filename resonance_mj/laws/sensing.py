@@ -86,37 +86,3 @@ def exert(memory: np.ndarray) -> None:
     for j in range(own.n):
         own.torques[own.clock % own.slots, j] = own.commanded[j]
         own.tau[j] = own.torques[then % own.slots, j] if then >= 0 else 0.0
-
-
-@step_function
-def given(
-    memory: np.ndarray,
-    q: np.ndarray,
-    dq: np.ndarray,
-    x: np.ndarray,
-    J: np.ndarray,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    tool: np.ndarray,
-) -> None:
-    """Put a state that was measured outside where the control step looks for it.
-
-    Args:
-        memory: the controller's block.
-        q: joint angles (n,) [rad].
-        dq: joint velocities (n,) [rad/s].
-        x: the tool's position in the task's coordinates without rotation [m].
-        J: Jacobian of the task's coordinates (m, n) [m/rad].
-        qpos: as mjData.qpos, written.
-        qvel: as mjData.qvel, written.
-        tool: position of the tool (3,) [m], written.
-    """
-    own = views(memory)
-    for j in range(own.n):
-        qpos[int(own.qpos_address[j])] = q[j]
-        qvel[int(own.dof_address[j])] = dq[j]
-        for i in range(own.m):
-            own.jacobian[int(own.coordinate[i]), int(own.dof_address[j])] = J[i, j]
-    for i in range(own.m):
-        if int(own.coordinate[i]) < 3:
-            tool[int(own.coordinate[i])] = x[i]

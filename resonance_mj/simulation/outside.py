@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from typing import Any
-
 import numpy as np
 
+from ..callback.callback import stepping
 from ..errors import ExperimentError
 from ..experiments.experiment import Experiment
-from ..laws.controller import act, end_stage
 from ..laws.memory import Memory
-from ..laws.sensing import given
 from ..plan.plan import plan_for
 from ..results.run import Run
 from ..springs.fit import LinearSprings
 from ..status import Status
 from .member import Member
+from .stepper import Alone
 
 
 class Controller:
@@ -28,7 +24,7 @@ class Controller:
 
     Args:
         experiment: what to do; its time step is the period.
-        compiled: whether steps are compiled, which takes a few seconds once.
+        compiled: whether steps are compiled, which takes a few seconds once on a machine.
 
     Attributes:
         period: between two steps [s].
@@ -54,20 +50,21 @@ class Controller:
         self.period = plan.experiment.simulation.timestep
         self.joints, self.axes, self.q = robot.joints, robot.axes, robot.home.copy()
         self.cycles = len(plan.schedule)
-        self._outside = _Outside(plan.robot.model, plan.layout.size)
-        self._memory = Memory(self._outside.userdata, plan.layout)
-        self._member = Member(plan, self._memory, self._outside, 0)
+        alone = Alone([robot.model])  # which MuJoCo does not step
+        self._memory = Memory(alone.userdata, plan.layout)
+        self._member = Member(plan, self._memory, alone, 0)
         self._cycle, self._step = 0, 0
-        self._block, self._tau = self._memory.block(0), self._memory["tau"][0]
-        self._tool, self._orientation = robot.position.copy(), robot.orientation.copy()
-        model = robot.model
-        self._spring = np.zeros(model.njnt), np.zeros(model.nq), np.zeros(model.nv)
-        self._do = _compiled(plan.law.command) if compiled else _plain(plan.law.command)
+        self._memory.scalar("outside")[0] = 1
+        model, data = robot.model, alone.data
+        self._call = stepping(model, data, interpret=not compiled, command=plan.law.command)
+        self._joint_at, self._dof_at = robot.qpos_address, robot.dof_address
+        self._position_at = robot.coordinate[: len(robot.position_axes)]
+        self._J_at = np.ix_(robot.coordinate, robot.dof_address)
+        self._qpos, self._qvel, self._tau = data.qpos, data.qvel, self._memory["tau"][0]
+        self._tool, self._orientation = data.site_xpos[robot.site], data.site_xmat[robot.site]
+        self._tool[:], self._orientation[:] = robot.position, robot.orientation.ravel()
+        self._jacobian = self._memory["jacobian"][0]
         self._member.begin_cycle(0)
-        shapes = (robot.n,), (robot.n,), (len(robot.position_axes),), (robot.m, robot.n)
-        self._measured = [np.zeros(shape) for shape in shapes]
-        if compiled:  # now, on a copy, and not in the first step of an arm that waits
-            self._call(self._block.copy())
 
     @property
     def steps(self) -> int:
@@ -110,18 +107,13 @@ class Controller:
                 else f"the run has ended: {self._member.status}"
             )
         if orientation is not None:
-            self._orientation[:] = orientation
-        for mine, given_one in zip(self._measured, (q, dq, x, J), strict=True):
-            mine[:] = given_one
-        self._call(self._block)
+            self._orientation[:] = np.reshape(orientation, 9)
+        self._qpos[self._joint_at], self._qvel[self._dof_at] = q, dq
+        self._tool[self._position_at] = x
+        self._jacobian[self._J_at] = J
+        self._call()
         self._step += 1
         return self._tau
-
-    def _call(self, block: np.ndarray) -> None:
-        outside = self._outside
-        place = self._tool, self._orientation
-        arrays = (outside.qpos, outside.qvel, *place, outside.ctrl, *self._spring)
-        self._do(block, *self._measured, *arrays)
 
     def end_cycle(self) -> LinearSprings:
         """Learn from the cycle that is done, and begin the next.
@@ -148,56 +140,3 @@ class Controller:
         """What was done so far, judged and recorded as a simulated run is."""
         return self._member.run(0.0)
 
-
-class _Outside:
-    """Arrays in place of a stepped MuJoCo model: a `Stepper` that is stepped from outside."""
-
-    def __init__(self, model: Any, size: int) -> None:
-        self.models = [model]
-        self.userdata = np.zeros((1, size))
-        self.qpos, self.qvel, self.ctrl = model.qpos0.copy(), np.zeros(model.nv), np.zeros(model.nu)
-
-    def start(self, robot: int, qpos: np.ndarray) -> None:
-        """Place the robot at rest at `qpos` (nq,)."""
-        self.qpos[:] = qpos
-
-    def state(self, robot: int) -> tuple[np.ndarray, np.ndarray]:
-        """Position (nq,) and velocity (nv,) of the robot."""
-        return self.qpos, self.qvel
-
-    def step(self, robots: list[int], steps: int) -> None:
-        """Nothing: the loop is outside."""
-
-    def warnings(self, robot: int) -> list[str]:
-        """None."""
-        return []
-
-
-def _plain(command: Callable[..., None]) -> Callable[..., None]:
-    def step(
-        memory: np.ndarray,
-        q: np.ndarray,
-        dq: np.ndarray,
-        x: np.ndarray,
-        J: np.ndarray,
-        qpos: np.ndarray,
-        qvel: np.ndarray,
-        tool: np.ndarray,
-        orientation: np.ndarray,
-        ctrl: np.ndarray,
-        stiffness: np.ndarray,
-        spring: np.ndarray,
-        damping: np.ndarray,
-    ) -> None:
-        given(memory, q, dq, x, J, qpos, qvel, tool)
-        act(memory, qpos, qvel, tool, orientation, ctrl, command)
-        end_stage(memory, stiffness, spring, damping)
-
-    return step
-
-
-@cache
-def _compiled(command: Callable[..., None]) -> Callable[..., None]:
-    from ..callback import compilation  # imports the compiler
-
-    return compilation.stepping(_plain, command)
