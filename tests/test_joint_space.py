@@ -8,7 +8,6 @@ import resonance_mj as rmj
 from resonance_mj.errors import ExperimentError
 from resonance_mj.experiments.experiment import Experiment
 from resonance_mj.motions.kinematics import Kinematics
-from resonance_mj.motions.tool_path import tool_path
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.results.cycles import kept
 
@@ -53,7 +52,7 @@ def test_the_desired_path_is_what_the_tool_does_at_the_desired_angles(run):
     last = kept(run)[-1]
     for i in range(0, 1000, 97):
         assert np.allclose(last.x_desired[i], kinematics.position(joints.q[i]), atol=1e-12)
-    path = tool_path(kinematics, joints)
+    path = kinematics.tool_path(joints)
     moved = np.gradient(path.x, 1e-3, axis=0)[1:-1]
     assert np.allclose(moved, path.dx[1:-1], atol=1e-4)
     faster = np.gradient(path.dx, 1e-3, axis=0)[1:-1]

@@ -123,7 +123,7 @@ def inspect(planned: Experiment | Plan) -> Inspection:
     """
     plan = planned if isinstance(planned, Plan) else plan_for(planned)
     robot, motion, best, tool = plan.robot, plan.joints[0], plan.optima[0], plan.robot.tools[0]
-    values = [np.linalg.svd(plan.kinematics.jacobian(q), compute_uv=False) for q in motion.q]
+    values = np.linalg.svd(plan.kinematics.jacobians(motion.q), compute_uv=False)
     chosen = [note for note in robot.notes if note.startswith("tool: ")]
     return Inspection(
         experiment=_written_out(plan),

@@ -1,6 +1,5 @@
 """Joint motion behind a task-space motion: for the evaluation, never for the controller."""
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -9,11 +8,9 @@ import numpy as np
 
 from ..errors import MotionError
 from ..robots.robot import Robot
-from . import rotations
+from .forward_kinematics import Chain
+from .inverse_kinematics import REACHED, InverseKinematics
 from .motion import Samples
-
-TOLERANCE = 1e-11
-"""Position error at which the inverse kinematics has converged [m]."""
 
 DRIFTING = 5
 """Most cycles that joints which the task leaves free drift before their motion is periodic."""
@@ -44,38 +41,36 @@ class Kinematics:
         self.robot, self._followers = robot, robot.followers
         self._model, self._data = robot.model, mujoco.MjData(robot.model)
         self._data.qpos[:] = robot.qpos
-        # A motion asks for these thousands of times: looked up, and room for them made, once.
-        self._qpos, self._of_q = self._data.qpos, _span(robot.qpos_address)
-        self._at = self._data.site_xpos[robot.site]
-        self._orientation = self._data.site_xmat[robot.site].reshape(3, 3)
-        self._positions = _span(robot.coordinate[: len(robot.position_axes)])
-        self._full = np.zeros((6, self._model.nv))
-        self._linear, self._angular = self._full[:3], self._full[3:] if robot.rotates else None
-        self._square, self._solution = np.empty((robot.m, robot.m)), np.empty(robot.m)
-        self._diagonal = self._square.ravel()[:: robot.m + 1]
-        self._of_task = np.ix_(robot.coordinate, robot.dof_address)
+        self._chain = Chain(robot)
+        self._inverse = InverseKinematics(robot, self._chain)
 
     def position(self, q: np.ndarray) -> np.ndarray:
-        """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad].
-
-        Rotation is a rotation vector from the orientation at home, in the world frame.
-        """
-        self._place(q)
-        robot, x = self.robot, np.empty(self.robot.m)
-        x[: len(robot.position_axes)] = self._at[self._positions]
-        if robot.rotates:
-            rotations.rotation_vector(self._orientation, robot.orientation, x[-3:])
-        return x
+        """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad]."""
+        return self._chain.positions(self._chain.poses(q[None]))[0]
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Task Jacobian J(q) (m, n) [m/rad] at joint angles q (n,) [rad]."""
-        self._place(q)
-        return self._J()
+        return np.asarray(self.jacobians(q[None])[0])
+
+    def jacobians(self, q: np.ndarray) -> np.ndarray:
+        """Task Jacobians (N, m, n) [m/rad] at joint angles (N, n) [rad]."""
+        return self._chain.jacobians(self._chain.poses(q))
+
+    def tool_path(self, motion: JointMotion) -> Samples:
+        """Position, velocity and acceleration of the tool (N, m) along a joint motion."""
+        dq, ddq = motion.dq[..., None], motion.ddq[..., None]
+        poses = self._chain.poses(motion.q)
+        J, drift = self._chain.jacobians(poses), self._chain.drifts(poses, motion.dq)
+        path = self._chain.positions(poses), (J @ dq)[..., 0], (J @ ddq)[..., 0] + drift
+        return Samples(*path, self.robot.rotates)
 
     def inertia(self, q: np.ndarray) -> np.ndarray:
         """Inertia matrix of the joints (n, n) [kg m^2] at joint angles q (n,) [rad]."""
         data, dofs = self._data, self.robot.dof_address
-        self._place(q)
+        data.qpos[self.robot.qpos_address] = q
+        self._followers.place(data.qpos)
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mj_comPos(self._model, data)
         mujoco.mj_crb(self._model, data)
         full = np.zeros((self._model.nv, self._model.nv))
         mujoco.mj_fullM(self._model, data, full)
@@ -83,39 +78,14 @@ class Kinematics:
         return full[np.ix_(dofs, dofs)]
 
     def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
-        """Joint angles near `q` whose tool position is nearest to `x`, by damped Newton steps.
-
-        The damping grows while a step does not come closer, so that the branch of `q` is kept.
+        """Joint angles near `q` whose tool position is nearest to `x` (n,) [rad].
 
         Args:
             x: position (m,) [m, rad].
             q: joint angles to start from (n,) [rad].
             iterations: most steps; without convergence the nearest angles found are returned.
         """
-        return self._solved(x, q, iterations)[0]
-
-    def _solved(
-        self, x: np.ndarray, q: np.ndarray, iterations: int = 200
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Joint angles of `solve`, the error that is left (m,) and the Jacobian (m, n) there."""
-        error, J = self._error(q, x)
-        away, damping = math.sqrt(error @ error), 1e-12
-        for _ in range(iterations):
-            if away < TOLERANCE:
-                break
-            step = self._inverse(J, error, damping)
-            longest = max(map(abs, step.tolist()))
-            limited = q + (step if longest <= 0.2 else step * (0.2 / longest))
-            new_error, new_J = self._error(limited, x)
-            new_away = math.sqrt(new_error @ new_error)
-            if new_away < away:
-                q, error, J, away = limited, new_error, new_J, new_away
-                damping = max(damping / 10, 1e-12)
-            else:
-                damping = max(10 * damping, 1e-7)
-                if damping > 1e3:
-                    break
-        return q, error, J
+        return self._inverse.solved(x, q, iterations)[0]
 
     def follow(
         self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float = 10.0
@@ -166,7 +136,7 @@ class Kinematics:
             dq = rate(q)
             return JointMotion(q, dq, rate(dq))
         dq = np.linalg.solve(J, samples.dx[..., None])[..., 0]
-        drift = np.array([self.jacobian_rate(a, v) @ v for a, v in zip(q, dq, strict=True)])
+        drift = self._chain.drifts(self._chain.poses(q), dq)
         ddq = np.linalg.solve(J, (samples.ddx - drift)[..., None])[..., 0]
         return JointMotion(q, dq, ddq)
 
@@ -174,8 +144,7 @@ class Kinematics:
         self, samples: Samples, start: np.ndarray, period: float, name: str, alpha_0: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Joint angles (N, n) and Jacobians (N, m, n) along one cycle, and the angles after it."""
-        steps, (m, n) = len(samples.x), (self.robot.m, self.robot.n)
-        q, J = np.empty((steps, n)), np.empty((steps, m, n))
+        steps = len(samples.x)
 
         def where(i: int) -> str:
             position = zip(self.robot.position_axes, samples.x[i], strict=False)
@@ -183,21 +152,13 @@ class Kinematics:
             return f"{i / steps * period:.3f} s into the cycle, at ({at}) m"
 
         guess = self._unfolded(samples.x[0], start)
-        ahead = np.diff(samples.x, axis=0, append=samples.x[:1])
-        to_home = alpha_0 * period / steps
-        for i in range(steps):
-            q[i], error, J[i] = self._solved(samples.x[i], guess)
-            away = math.sqrt(error @ error)
-            if away > 1e3 * TOLERANCE:
-                raise MotionError(
-                    f"{name}: out of the arm's reach {where(i)}: the tool comes no nearer than "
-                    f"{away * 1e3:.1f} mm; move or shrink the motion"
-                )
-            if m < n:
-                home = to_home * (self.robot.home - q[i])
-                guess = q[i] + home + self._inverse(J[i], ahead[i] - J[i] @ home, 1e-12)
-            else:
-                guess = 3 * q[i] - 3 * q[i - 1] + q[i - 2] if i > 1 else q[i]
+        along = self._inverse.along(samples.x, guess, alpha_0 * period / steps)
+        q, J = along.q, along.J
+        if not along.reached:
+            raise MotionError(
+                f"{name}: out of the arm's reach {where(len(q) - 1)}: the tool comes no nearer "
+                f"than {along.away * 1e3:.1f} mm; move or shrink the motion"
+            )
         # The singular values' squares: three times faster than they themselves.
         squares = np.maximum(np.linalg.eigvalsh(J @ J.swapaxes(1, 2)), 0.0)
         i = int(np.argmin(squares[:, 0] / squares[:, -1]))
@@ -209,7 +170,7 @@ class Kinematics:
                 f"{least:.1e} m/rad, at least {SINGULAR * largest:.1e} is needed; "
                 "move the motion away from there or choose another home pose"
             )
-        return q, J, self._solved(samples.x[0], guess)[0]
+        return q, J, self.solve(samples.x[0], along.ahead)
 
     def _unfolded(self, x: np.ndarray, start: np.ndarray) -> np.ndarray:
         """Joint angles that reach `x`, from `start` or from beside it where it is singular.
@@ -218,8 +179,8 @@ class Kinematics:
         """
         bent = 0.3 * (-1.0) ** np.arange(len(start))
         for guess in (start, start + bent, start - bent):
-            q, error, _ = self._solved(x, guess)
-            if np.linalg.norm(error) < 1e3 * TOLERANCE:
+            q, error, _ = self._inverse.solved(x, guess)
+            if np.linalg.norm(error) < REACHED:
                 return q
         return self.solve(x, start)
 
@@ -244,56 +205,8 @@ class Kinematics:
             model.opt.disableflags = flags
         return torque
 
-    def _place(self, q: np.ndarray) -> None:
-        self._qpos[self._of_q] = q
-        self._followers.place(self._qpos)
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_comPos(self._model, self._data)
-
-    def _J(self) -> np.ndarray:  # noqa: N802
-        mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self.robot.site)
-        return self._followers.borne(self._full)[self._of_task]
-
-    def jacobian_rate(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
-        """Time derivative of J (m, n) at joint angles and velocities (n,), (n,)."""
-        model, data = self._model, self._data
-        self._place(q)
-        data.qvel[self.robot.dof_address] = dq
-        self._followers.move(data.qvel)
-        mujoco.mj_comVel(model, data)
-        at = self._at, model.site_bodyid[self.robot.site]
-        mujoco.mj_jacDot(model, data, self._linear, self._angular, *at)
-        return self._followers.borne(self._full)[self._of_task]
-
-    def _error(self, q: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How far it is from the tool at `q` to `x` (m,), and the Jacobian there."""
-        self._place(q)
-        if not self.robot.rotates:
-            return x - self._at[self._positions], self._J()
-        error, desired = np.empty_like(x), np.empty((3, 3))
-        error[:-3] = x[:-3] - self._at[self._positions]
-        rotations.rotation(x[-3:], self.robot.orientation, desired)
-        rotations.rotation_vector(desired, self._orientation, error[-3:])
-        return error, self._J()
-
-    def _inverse(self, J: np.ndarray, error: np.ndarray, damping: float) -> np.ndarray:
-        """J⁺ times a vector, Jᵀ (J Jᵀ + damping I)⁻¹ e, by MuJoCo's own: m is small."""
-        step, square, solution = np.empty(self.robot.n), self._square, self._solution
-        mujoco.mju_mulMatMatT(square, J, J)
-        self._diagonal += damping
-        mujoco.mju_cholFactor(square, 1e-15)
-        mujoco.mju_cholSolve(solution, square, error)
-        mujoco.mju_mulMatTVec(step, J, solution)
-        return step
-
 
 def _periodic_rate(values: np.ndarray, period: float) -> np.ndarray:
     """Time derivative of a signal over a cycle (N, n), by central differences of fourth order."""
     before, last, following, second = (np.roll(values, k, axis=0) for k in (2, 1, -1, -2))
     return (8 * (following - last) - (second - before)) / (12 * (period / len(values)))
-
-
-def _span(numbers: np.ndarray) -> slice | np.ndarray:
-    """Numbers in a row as a slice, which is faster to index with; others as they are."""
-    first, last = int(numbers[0]), int(numbers[-1]) + 1
-    return slice(first, last) if np.array_equal(numbers, np.arange(first, last)) else numbers

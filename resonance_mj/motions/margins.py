@@ -87,7 +87,7 @@ def too_heavy(
 def lacks_margin(q: np.ndarray, middle: np.ndarray, kinematics: Kinematics) -> str:
     """Why joint angles (N, n) come too near to a singular pose or a joint limit; empty if not."""
     robot = kinematics.robot
-    J = np.array([kinematics.jacobian(angles) for angles in (middle, *q)])
+    J = kinematics.jacobians(np.vstack([middle, q]))
     values = np.linalg.svd(J, compute_uv=False)
     usual, *ratios = values[:, -1] / values[:, 0]
     worst = min(ratios)
@@ -147,7 +147,7 @@ class Jerk(NamedTuple):
 
 def nearness(kinematics: Kinematics, q: np.ndarray) -> float:
     """Least ratio of J's singular values, the smallest to the largest, along angles (N, n)."""
-    J = [kinematics.jacobian(some) for some in q[:: max(1, len(q) // POSES)]]
+    J = kinematics.jacobians(q[:: max(1, len(q) // POSES)])
     values = np.linalg.svd(J, compute_uv=False)
     return float((values[:, -1] / values[:, 0]).min())
 

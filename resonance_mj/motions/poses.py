@@ -5,16 +5,14 @@ import numpy as np
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
 from . import motion as motions
-from .kinematics import TOLERANCE, Kinematics
+from .inverse_kinematics import REACHED
+from .kinematics import Kinematics
 
 POINTS = 48
 """Points of a cycle of which the mean is taken."""
 
 EACH = 3
 """Of these, one in so many is a pose along the motion."""
-
-REACHED = 1e3 * TOLERANCE
-"""Distance below which the tool is where it should be [m]."""
 
 
 def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:

@@ -63,6 +63,32 @@ def rotation_vector(R: np.ndarray, S: np.ndarray, out: np.ndarray) -> None:
     out[0], out[1], out[2] = factor * x, factor * y, factor * z
 
 
+def turned(r: np.ndarray, home: np.ndarray) -> np.ndarray:
+    """Orientations exp(r) R_home (N, 3, 3) of rotation vectors (N, 3) [rad]; see `rotation`."""
+    squared = (r**2).sum(axis=1)[:, None, None]
+    angle = np.sqrt(squared)
+    columns = home.T[None]  # each turns as a vector does
+    once = np.cross(r[:, None], columns)
+    cosc = 2.0 * (0.5 * np.sinc(angle / (2.0 * np.pi))) ** 2
+    result = columns + np.sinc(angle / np.pi) * once + cosc * np.cross(r[:, None], once)
+    return np.asarray(result.swapaxes(1, 2))
+
+
+def between(R: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """Rotation vectors log(R Sᵀ) (N, 3) [rad] of orientations R (N, 3, 3); see `rotation_vector`.
+
+    Args:
+        R: orientations (N, 3, 3).
+        S: an orientation (3, 3), or one of each (N, 3, 3).
+    """
+    D = R @ S.swapaxes(-1, -2)
+    axis = D[:, [2, 0, 1], [1, 2, 0]] - D[:, [1, 2, 0], [2, 0, 1]]
+    sin = 0.5 * np.linalg.norm(axis, axis=1)
+    angle = np.arctan2(sin, 0.5 * (np.trace(D, axis1=1, axis2=2) - 1.0))
+    factor = 0.5 * np.where(sin < 1e-9, 1.0, angle / np.maximum(sin, 1e-9))
+    return np.asarray(factor[:, None] * axis)
+
+
 def from_rates(r: np.ndarray, dr: np.ndarray, ddr: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Angular velocity [rad/s] and acceleration [rad/s^2] in the world frame, both (N, 3).
 

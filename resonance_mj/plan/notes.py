@@ -206,7 +206,7 @@ def _unstable_feedback(
     implicit = 0.0 if experiment.simulation.integrator == "RK4" else dt
     # Of G what law.omega does not scale.
     constant = 0 * D if k_v is not None else gains.feedback - gains.omega * gains.inertia
-    J = np.array([kinematics.jacobian(q) for q in _poses(joints)])
+    J = kinematics.jacobians(_poses(joints))
     M = np.array([kinematics.inertia(q) for q in _poses(joints)]) + implicit * D
     scaled = J.swapaxes(1, 2) @ (gains.k_v[:, None] * J) + gains.feedback - constant
     highest = _fastest(M, scaled + constant + D)

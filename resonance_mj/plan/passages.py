@@ -9,7 +9,6 @@ import numpy as np
 from ..motions import motion as motions
 from ..motions import passing
 from ..motions.kinematics import JointMotion
-from ..motions.tool_path import tool_path
 from ..robots.reach import reach
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def desired(plan: Plan, cycle: int) -> motions.Samples:
     """The desired motion in a cycle of a plan; see `Plan.desired`."""
     wanted = _wanted(plan, cycle)
     if plan.robot.joint_space:
-        return tool_path(plan.kinematics, JointMotion(*wanted[:3]))
+        return plan.kinematics.tool_path(JointMotion(*wanted[:3]))
     return wanted
 
 

@@ -139,4 +139,3 @@ class Controller:
     def run(self) -> Run:
         """What was done so far, judged and recorded as a simulated run is."""
         return self._member.run(0.0)
-

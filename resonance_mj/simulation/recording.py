@@ -160,8 +160,8 @@ class Recording:
         """Least singular value of J in each cycle of which the poses are not measured yet."""
         if not self._poses:
             return
-        J = [self._plan.kinematics.jacobian(q) for q in np.concatenate(self._poses)]
-        least = np.linalg.svd(np.array(J), compute_uv=False)[:, -1]
+        J = self._plan.kinematics.jacobians(np.concatenate(self._poses))
+        least = np.linalg.svd(J, compute_uv=False)[:, -1]
         begins = np.cumsum([0, *map(len, self._poses)])[:-1]
         first = self._done - len(self._poses)
         self._cycles["singular_value"][first : self._done] = np.minimum.reduceat(least, begins)

@@ -69,7 +69,7 @@ def along(
     law, dt, robot = experiment.law, experiment.simulation.timestep, kinematics.robot
     n = robot.n
     M = np.array([kinematics.inertia(pose) for pose in q])
-    J = np.array([kinematics.jacobian(pose) for pose in q])
+    J = kinematics.jacobians(q)
     C = error_signal(robot, gains.jacobian, J, gains.alpha, gains.alpha_0)
     Jt = J.swapaxes(-1, -2)
     by_hand = np.block([Jt @ (gains.k_p[:, None] * J), Jt @ (gains.k_v[:, None] * J)])
