@@ -20,6 +20,7 @@ from ..laws import memory
 from ..laws.adjusting import deviate
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
 from ..laws.custom_law import custom, said
+from ..laws.misjudging import misjudge
 from ..laws.views import block, own
 from ..step_functions import STEP_FUNCTIONS, keep_source
 from ..turns import compiling
@@ -172,10 +173,12 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
     if begins_step(mem):
         seen = own(mem)
         if not seen.outside:
-            rotational = seen.jacobian[3:] if seen.rotates else None
+            rotational = seen.jacobian[3:] if seen.rotates or seen.misjudged else None
             mujoco.mj_jacSite(model, data, seen.jacobian[:3], rotational, seen.site)
         orientation = data.site_xmat[seen.site].reshape(3, 3)
         position = data.site_xpos[seen.site]
+        if seen.misjudged:
+            misjudge(mem, data.qpos, data.xanchor, position, orientation)
         try:
             act(mem, data.qpos, data.qvel, position, orientation, data.ctrl, command)
         except (Exception, SystemExit) as error:

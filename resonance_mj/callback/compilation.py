@@ -16,6 +16,7 @@ from ..laws.adjusting import deviate
 from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
 from ..laws.custom_law import custom
 from ..laws.memory import Header
+from ..laws.misjudging import misjudge
 from ..laws.views import block, own, row
 from ..step_functions import STEP_FUNCTIONS
 from ..text import cut
@@ -41,7 +42,8 @@ def translate(
     """
     command, law = _registered(command)
     jnt_stiffness, qpos_spring, dof_damping, nq, nv, nu, njnt, nuserdata = model_offsets
-    userdata, qpos, qvel, ctrl, site_xpos, site_xmat, qfrc_bias, qfrc_passive = data_offsets
+    userdata, qpos, qvel, ctrl, *place_of, qfrc_bias, qfrc_passive = data_offsets
+    site_xpos, site_xmat, xanchor = place_of
 
     def control(model: int, data: int) -> None:
         user = _doubles(_word(data, userdata), _word(model, nuserdata))
@@ -53,19 +55,18 @@ def translate(
         if begins_step(mem):
             seen = own(mem)
             if not seen.outside:
-                rotational = seen.jacobian[3:].ctypes.data if seen.rotates else 0
+                turns = seen.rotates or seen.misjudged
+                rotational = seen.jacobian[3:].ctypes.data if turns else 0
                 _mj_jacSite(model, data, seen.jacobian.ctypes.data, rotational, seen.site)
-            position = _word(data, site_xpos) + 24 * seen.site
-            orientation = _pointer(_word(data, site_xmat) + 72 * seen.site)
-            act(
-                mem,
-                _doubles(_word(data, qpos), _word(model, nq)),
-                speed,
-                _doubles(position, 3),
-                carray(orientation, (3, 3), np.float64),
-                motors,
-                command,
-            )
+            position = _doubles(_word(data, site_xpos) + 24 * seen.site, 3)
+            address = _pointer(_word(data, site_xmat) + 72 * seen.site)
+            orientation = carray(address, (3, 3), np.float64)
+            place = _doubles(_word(data, qpos), _word(model, nq))
+            if seen.misjudged:
+                joints = _word(model, njnt), 3
+                anchor = carray(_pointer(_word(data, xanchor)), joints, np.float64)
+                misjudge(mem, place, anchor, position, orientation)
+            act(mem, place, speed, position, orientation, motors, command)
         place = _doubles(_word(data, qpos), _word(model, nq))
         stiffness = _doubles(_word(model, jnt_stiffness), _word(model, njnt))
         rest = _doubles(_word(model, qpos_spring), _word(model, nq))

@@ -76,6 +76,7 @@ DATA_FIELDS = (
     "ctrl",
     "site_xpos",
     "site_xmat",
+    "xanchor",
     "qfrc_bias",
     "qfrc_passive",
 )

@@ -61,9 +61,13 @@ def _reasons(
     by_hand = law.k_v is not None or law.k_p is not None
     if law.kind != "transfer":
         yield "law.listens", f"{kind} does not listen"
-        yield "reality.stiffness_rate", f"{kind} does not set springs between cycles"
+        for name in ("stiffness_rate", "stiffness_lag"):
+            yield f"reality.{name}", f"{kind} does not set springs between cycles"
     if not experiment.reality.encoder_noise:
         yield "reality.seed", "reality.encoder_noise is 0"
+    if law.follows_joints or (experiment.task.space == "joint" and not own):
+        for name in ("tool_offset", "link_error"):
+            yield f"reality.{name}", "the law acts on joint angles, not on where it takes the tool"
     if not experiment.reality.sensed:
         yield "reality.velocity", "joint angles are exact, and their velocities too"
     if springs.cost != "torque-squared":

@@ -15,6 +15,7 @@ Seconds = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)
 Angle = Annotated[float, Field(ge=-3.2, le=3.2, allow_inf_nan=False, strict=True)]
 Several = Positive | Annotated[tuple[Positive, ...], Field(min_length=1, max_length=1000)]
 Error = Annotated[float, Field(gt=-1, le=10, allow_inf_nan=False, strict=True)]
+Metres = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False, strict=True)]
 Radians = Annotated[float, Field(ge=0, le=1.0, allow_inf_nan=False, strict=True)]
 
 BITS_17 = 4.793689962142628e-05
@@ -89,6 +90,9 @@ class Reality(Section):
     stiffness_rate: Positive | None = None
     """How fast the mechanism that sets a spring changes its stiffness [N m/rad/s], which the law
     knows; at once if not given."""
+    stiffness_lag: Seconds = 0.0
+    """Time in which the mechanism that sets a spring goes 63 % of its way, and ever slower [s],
+    which the law knows."""
     spring_error: Error | Annotated[tuple[Error, ...], Field(max_length=1000)] = 0.0
     """Share by which a spring is stiffer than it is set to be, one for all joints or one each."""
     spring_stiffening: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False, strict=True)] = 0.0
@@ -99,6 +103,11 @@ class Reality(Section):
     unloaded."""
     spring_damping: Seconds = 0.0
     """Damping of a spring, over its stiffness [s]."""
+    tool_offset: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
+    """Where the controller takes the tool to be, from where it is, in the tool's own axes [m]."""
+    link_error: Error | Annotated[tuple[Error, ...], Field(max_length=1000)] = 0.0
+    """Share by which the controller takes what lies between a joint and the next, or the tool, for
+    longer than it is, one for all joints or one each."""
     base_tilt: tuple[Angle, Angle] = (0.0, 0.0)
     """Angles about x, and then about y, by which the base leans [rad]; the task leans with it."""
     friction: Share = 0.0
@@ -127,6 +136,25 @@ class Reality(Section):
                     "joint_stiffness too"
                 )
         return self
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.stiffness_lag and self.stiffness_rate is not None:
+            raise ValueError(
+                f"stiffness_lag = {self.stiffness_lag:g} and stiffness_rate = "
+                f"{self.stiffness_rate:g} together: a mechanism has the one or the other"
+            )
+        return self
+
+    @property
+    def misjudged(self) -> bool:
+        """Whether the controller takes the arm's dimensions for others."""
+        return bool(any(self.tool_offset) or np.any(self.link_error))
+
+    @property
+    def slow_springs(self) -> bool:
+        """Whether springs take time on their way to what the law wants of them."""
+        return self.stiffness_rate is not None or self.stiffness_lag > 0
 
     @property
     def sensed(self) -> bool:

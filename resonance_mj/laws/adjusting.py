@@ -27,6 +27,8 @@ def adapt(memory: np.ndarray, q: np.ndarray) -> None:
             # On its way to where the law wants it, if its mechanism takes time.
             own.stiffness[j] += own.stiffness_step[j]
             own.offset[j] += own.offset_step[j]
+            own.stiffness_step[j] *= own.ease
+            own.offset_step[j] *= own.ease
             continue
         k_rate, offset_rate = equations.spring_rates(gamma_k, gamma_qe, q[j], own.q_c[j], y)
         k, offset = own.stiffness[j] + dt * k_rate, own.offset[j] + dt * offset_rate

@@ -58,14 +58,17 @@ def act(
     own = views(memory)
     row = record(memory, own.n, own.m, own.step)
     k, offset, q_c = own.stiffness, own.offset, own.q_c
+    taken = own.tool_taken if own.misjudged else tool
     if own.slots == 0:
         for j in range(own.n):
             own.angle[j] = qpos[int(own.qpos_address[j])]
             own.speed[j] = qvel[int(own.dof_address[j])]
-        measure(memory, qvel, tool, orientation, row.x)
+        measure(memory, qvel, taken, orientation, row.x)
         command(memory)
+        if own.misjudged:
+            locate(memory, tool, orientation, row.x)
     else:
-        sensing.remember(memory, qpos, qvel, tool, orientation)
+        sensing.remember(memory, qpos, qvel, taken, orientation)
         if own.clock % own.hold == 0:
             sensing.sense(memory)
             measure(memory, own.qvel_seen, own.tool_seen, own.orientation_seen, row.x)

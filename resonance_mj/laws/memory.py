@@ -26,7 +26,7 @@ keep_source(__file__)
 
 _SHAPES: dict[tuple[str, ...], str] = {
     # of robot, law and springs: `before` is the position of the tool a time step ago
-    ("three",): "before tool_seen",
+    ("three",): "before tool_seen tool_offset tool_taken link_end",
     ("three", "three"): "orientation desired orientation_seen",
     ("joints",): "qpos_address dof_address joint_id actuator_id posture torque_limit tau_min "
     "tau_max gamma_k gamma_qe q_c k_min k_max low high stiffness offset y tau drift q dq "
@@ -37,7 +37,8 @@ _SHAPES: dict[tuple[str, ...], str] = {
     ("joints", "joints"): "feedback feedback_p",
     ("coordinates", "joints"): "J",
     ("six", "dofs"): "jacobian",
-    ("dofs",): "leader ratio qvel_seen",  # leader: of a dof that follows the arm's; else -1, 0
+    # leader: of a dof that follows the arm's; else -1, 0. chain: joints to the tool; then -1
+    ("dofs",): "leader ratio qvel_seen chain chain_dof chain_slide chain_zero link_error",
     ("slots", "wide"): "ring",  # of what was measured a delay ago
     ("slots", "joints"): "torques",
     ("given",): "parameters",
@@ -91,6 +92,8 @@ _SCALARS = (
     "differs",  # 1 for joint velocities as differences of angles
     "driven",  # 1 for motors with a rate or a speed
     "material",  # 1 for springs that do not follow Hooke's law
+    "misjudged",  # 1 where the controller takes the arm's dimensions for others
+    "ease",  # what is left in a time step of the speed at which springs go on their way
     "outside",  # 1 where the Jacobian is handed in and not MuJoCo's
     "clock",  # time steps since the run began
     "timestep",
@@ -205,6 +208,7 @@ class Memory:
         header = [self.scalar(name)[robot] for name in NUMBERS if name not in changes]
         addresses = ["qpos_address", "dof_address", "joint_id", "actuator_id"]
         addresses += ["coordinate", "leader", "encoder_address", "encoder_dof"]
+        addresses += ["chain", "chain_dof", "chain_slide"]
         counts = [self.scalar(name)[robot] for name in ("stage", "clock")]
         whole = [float(0 <= count < 2**53 and count == count // 1) for count in counts]
         ends = self._userdata[robot, -2:]

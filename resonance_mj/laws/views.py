@@ -34,7 +34,16 @@ _COUNTS = "joints coordinates dofs columns wide more given site form slots delay
 INTEGERS = [*_COUNTS.split(), "clock", "step"]
 """Numbers of the header that count."""
 
-FLAGS = ["rotates", "difference", "inertial", "differs", "driven", "material", "outside"]
+FLAGS = [
+    "rotates",
+    "difference",
+    "inertial",
+    "differs",
+    "driven",
+    "material",
+    "misjudged",
+    "outside",
+]
 """Numbers of the header that are yes or no."""
 
 TABLES = ("steps", "noisy")

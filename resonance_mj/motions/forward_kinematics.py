@@ -28,6 +28,21 @@ class Poses(NamedTuple):
     """A point on it (N, c, 3) [m]."""
 
 
+def path_to_tool(robot: Robot) -> list[tuple[int, int, float]]:
+    """The joints that move a robot's tool, from its base on.
+
+    Returns:
+        Of each its id, the number of the arm's joint that moves it, and how fast.
+    """
+    moved = {
+        joint: (j, speed)
+        for j, leader in enumerate(robot.joint_id)
+        for joint, speed in robot.followers.moved_by(leader)
+    }
+    path = chain.joints_to(robot.model, int(robot.model.site_bodyid[robot.site]))
+    return [(joint, *moved[joint]) for joint in path if joint in moved]
+
+
 class Chain:
     """The joints between the world and a robot's tool.
 
@@ -40,20 +55,16 @@ class Chain:
         data = mujoco.MjData(model)
         data.qpos[:] = robot.qpos
         mujoco.mj_kinematics(model, data)
-        moved = {
-            joint: (j, ratio)
-            for j, leader in enumerate(robot.joint_id)
-            for joint, ratio in robot.followers.moved_by(leader)
-        }
-        path = chain.joints_to(model, int(model.site_bodyid[robot.site]))
-        path = [joint for joint in path if joint in moved]
-        self._home = robot.qpos[robot.qpos_address]
+        found = path_to_tool(robot)
+        self._home, path = robot.qpos[robot.qpos_address], [joint for joint, _, _ in found]
         # θ = q @ ratio, and columns of the arm's Jacobian are those of the chain's @ ratio.T.
-        self._ratio = np.zeros((robot.n, len(path)))
-        for at, joint in enumerate(path):
-            self._ratio[moved[joint][0], at] = moved[joint][1]
+        self._ratio, self._leader = np.zeros((robot.n, len(path))), [j for _, j, _ in found]
+        for at, (_, j, speed) in enumerate(found):
+            self._ratio[j, at] = speed
         self._axis, self._anchor = data.xaxis[path], data.xanchor[path]
         slide = int(mujoco.mjtJoint.mjJNT_SLIDE)
+        at = model.jnt_qposadr[path]
+        self._travel = robot.qpos[at] - model.qpos0[at]
         self._slides = model.jnt_type[path] == slide
         self._robot = robot
         self._positions = robot.coordinate[: len(robot.position_axes)]
@@ -125,6 +136,23 @@ class Chain:
         linear += np.cross(poses.axis, velocity[:, None] - anchor_rate)
         columns = self._of_task(np.where(turns, linear, axis_rate), turns * axis_rate)
         return np.asarray((columns @ dq[..., None])[..., 0])
+
+    def misjudged(
+        self, q: np.ndarray, tool_offset: np.ndarray, link_error: np.ndarray
+    ) -> np.ndarray:
+        """From the tool to where a controller of other dimensions takes it to be (N, 3) [m].
+
+        Args:
+            q: joint angles (N, n) [rad].
+            tool_offset: as of `reality.tool_offset` (3,) [m].
+            link_error: as of `reality.link_error` (n,).
+        """
+        poses = self.poses(q)
+        ends = np.concatenate([poses.anchor[:, 1:], poses.position[:, None]], axis=1)
+        travel = self._slides * ((q - self._home) @ self._ratio + self._travel)
+        begins = poses.anchor + travel[..., None] * poses.axis
+        longer = link_error[self._leader, None] * (ends - begins)
+        return np.asarray(longer.sum(axis=1) + poses.orientation @ tool_offset)
 
     def _of_task(self, linear: np.ndarray, angular: np.ndarray) -> np.ndarray:
         """Columns (N, c, 3) of the chain's joints as the arm's for the task (N, m, n)."""

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from ..errors import MotionError
+from ..experiments.reality_section import Reality
 from ..robots.robot import Robot
 from .forward_kinematics import Chain
 from .inverse_kinematics import REACHED, InverseKinematics
@@ -55,6 +56,12 @@ class Kinematics:
     def jacobians(self, q: np.ndarray) -> np.ndarray:
         """Task Jacobians (N, m, n) [m/rad] at joint angles (N, n) [rad]."""
         return self._chain.jacobians(self._chain.poses(q))
+
+    def misjudged(self, q: np.ndarray, reality: Reality) -> np.ndarray:
+        """From the tool to where the controller takes it to be (N, 3) [m], at angles (N, n)."""
+        error = np.broadcast_to(np.asarray(reality.link_error, float), self.robot.n)
+        offset = np.array(reality.tool_offset)
+        return self._chain.misjudged(q, offset, error)
 
     def tool_path(self, motion: JointMotion) -> Samples:
         """Position, velocity and acceleration of the tool (N, m) along a joint motion."""

@@ -102,6 +102,7 @@ def check_lengths(
         ("reality.motor_speed", experiment.reality.motor_speed, "joint", joints),
         ("reality.joint_stiffness", experiment.reality.joint_stiffness, "joint", joints),
         ("reality.rotor_inertia", experiment.reality.rotor_inertia, "joint", joints),
+        ("reality.link_error", experiment.reality.link_error, "joint", joints),
         ("reality.spring_error", experiment.reality.spring_error, "joint", joints),
         ("motors.k_m", motors.k_m, "joint", joints),
         ("motors.gear_ratio", motors.gear_ratio, "joint", joints),

@@ -114,6 +114,14 @@ def _lost(plan: Plan, index: int, motion: MotionOfRun, held: list[Hindrance]) ->
             f"a smaller reality.measurement_delay (now {late:g} s): the tool is where it should be "
             "by what was measured, which is so much older"
         ]
+    if not cures and (reality := plan.experiment.reality).misjudged:
+        off = plan.kinematics.misjudged(plan.joints[index].q, reality)
+        away = float(np.sqrt((off**2).sum(axis=1).mean()))
+        if 0.5 * away < errors[-1] < 2 * away:
+            cures = [
+                "smaller reality.tool_offset and link_error: by its own dimensions the controller "
+                f"takes the tool to be on its path, {length(away)} from where it is"
+            ]
     if not cures and law.kind == "feedback":
         cures = ['law.kind = "transfer", which learns']
     elif not cures and growth:

@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 
 from ..errors import ExperimentError
 from ..laws.memory import Memory
 from ..laws.tuning import Tuning
+from ..motions.forward_kinematics import path_to_tool
 from ..plan.plan import Plan
 from ..robots.reach import reach as arm_reach
 from ..springs.bounds import Bounds
@@ -29,6 +31,17 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         for follower, speed in robot.followers.moved_by(joint)[1:]:
             dof = robot.model.jnt_dofadr[follower]
             memory["leader"][index, dof], memory["ratio"][index, dof] = j, speed
+    memory["tool_offset"][index] = reality.tool_offset
+    memory["chain"][index] = memory["chain_slide"][index] = -1
+    errors = np.broadcast_to(np.asarray(reality.link_error, float), robot.n)
+    for at, (joint, j, _) in enumerate(path_to_tool(robot)):
+        memory["chain"][index, at] = joint
+        memory["chain_dof"][index, at] = robot.model.jnt_dofadr[joint]
+        memory["link_error"][index, at] = errors[j]
+        if robot.model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE):
+            place = robot.model.jnt_qposadr[joint]
+            memory["chain_slide"][index, at] = place
+            memory["chain_zero"][index, at] = robot.model.qpos0[place]
     memory["orientation"][index] = robot.orientation
     memory["posture"][index] = robot.home
     memory["k_v"][index] = chosen.k_v
@@ -73,6 +86,8 @@ def load_law(memory: Memory, index: int, plan: Plan) -> None:
         ("differs", reality.velocity == "difference"),
         ("driven", reality.torque_rate is not None or reality.motor_speed is not None),
         ("material", bounds.material is not None),
+        ("misjudged", reality.misjudged),
+        ("ease", np.exp(-dt / reality.stiffness_lag) if reality.stiffness_lag else 1.0),
         ("stages", 4 if experiment.simulation.integrator == "RK4" else 1),
         ("speed_limit", 1.0 / dt),
     ):
@@ -88,11 +103,26 @@ def load_springs(memory: Memory, index: int, springs: LinearSprings, bounds: Bou
 
 def load_way(
     memory: Memory, index: int, begin: LinearSprings, end: LinearSprings, steps: int
-) -> None:
-    """Let springs begin a cycle of so many steps as they were, and be at its end as they shall."""
+) -> np.ndarray:
+    """Let springs begin a cycle as they were and go on their way to what they shall be.
+
+    Args:
+        memory: of the robots.
+        index: of the robot.
+        begin: the springs as they are.
+        end: as they shall be, at the end of the cycle or, where they lag, at the end of time.
+        steps: of the cycle.
+
+    Returns:
+        Share of the way that is left at each step (steps,).
+    """
+    ease = float(memory.scalar("ease")[index])
+    share = 1.0 / steps if ease == 1.0 else 1.0 - ease
     for name, first, last in zip(("stiffness", "offset"), begin, end, strict=False):
         memory[name][index] = first
-        memory[f"{name}_step"][index] = (last - first) / steps
+        memory[f"{name}_step"][index] = share * (last - first)
+    passed = np.arange(steps)
+    return 1.0 - passed / steps if ease == 1.0 else ease**passed
 
 
 def first_springs(plan: Plan) -> LinearSprings:

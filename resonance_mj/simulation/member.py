@@ -236,9 +236,9 @@ class Member:
             begin = replace(begin, stiffness=springs.stiffness.copy(), others=wanted.others)
             load_springs(memory, index, wanted, plan.gains.bounds)
             self._others = wanted.others
-            if np.isfinite(done.farthest):
-                load_way(memory, index, begin, wanted, following)
-                left = 1.0 - np.arange(len(learned))[:, None] / len(learned)
+            if done.acting is not None:
+                left = load_way(memory, index, begin, wanted, following)
+                left = learning.resample(left[:, None], len(learned))
                 ahead = done.torque_of(wanted, done.q) - done.torque_of(begin, done.q)
                 learned = learned + left * ahead
         memory["learned"][index, :following] = learning.resample(learned, following)
@@ -247,7 +247,7 @@ class Member:
         """A cycle's signals as its law sees them."""
         plan, reality = self.plan, self.plan.experiment.reality
         dt, steps = plan.experiment.simulation.timestep, len(signals["u"])
-        on_its_way = reality.stiffness_rate is not None and plan.law.listens
+        on_its_way = reality.slow_springs and plan.law.listens
         acting = LinearSprings(
             signals["stiffness"], signals["offset"], springs.center, springs.others
         )

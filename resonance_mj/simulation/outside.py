@@ -55,6 +55,7 @@ class Controller:
         self._member = Member(plan, self._memory, alone, 0)
         self._cycle, self._step = 0, 0
         self._memory.scalar("outside")[0] = 1
+        self._memory.scalar("misjudged")[0] = 0  # x and J are what the caller takes them to be
         model, data = robot.model, alone.data
         self._call = stepping(model, data, interpret=not compiled, command=plan.law.command)
         self._joint_at, self._dof_at = robot.qpos_address, robot.dof_address
