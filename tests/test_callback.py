@@ -145,7 +145,7 @@ def test_a_simulation_within_a_simulation_does_not_disturb_it():
 
 
 def test_threads_simulate_side_by_side_and_end_as_one_by_one(tmp_path):
-    """Eight at once, of laws that share the callback and of some that must wait for it."""
+    """Eight at once, of compiled laws that share the callback and one that must wait for it."""
     law = tmp_path / "law.py"
     law.write_text(
         "def command(J, error, rate, q, dq, u, parameters, y, tau):\n"

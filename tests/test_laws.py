@@ -48,6 +48,26 @@ def test_compiled_and_interpreted_custom_law_agree_to_the_last_bit(tmp_path):
         np.testing.assert_array_equal(compiled[name], interpreted[name])
 
 
+def test_laws_of_files_step_in_one_batch_with_others_each_by_its_own(tmp_path):
+    damped = "def command(J, error, rate, q, dq, u, parameters, y, tau):\n    for j in range(2):\n"
+    damped += "        y[j] = dq[j]\n        tau[j] = u[j] - {} * dq[j]\n"
+    (tmp_path / "soft.py").write_text(damped.format("2.0"))
+    (tmp_path / "hard.py").write_text(damped.format("30.0"))
+    kinds = [str(tmp_path / "soft.py"), "transfer", str(tmp_path / "hard.py"), "joint-space"]
+    motion = [{"duration": 2.0, "size": (0.05, 0.05)}]
+    asked = [
+        for_robot("two_link.xml").replace({"law.kind": kind, "motion": motion}) for kind in kinds
+    ]
+    alone = [rmj.simulate(one) for one in asked]
+    for one, together in zip(alone, rmj.simulate_many(asked), strict=True):
+        for name in ("q", "tau", "u", "stiffness"):
+            np.testing.assert_array_equal(together.data[name], one.data[name])
+    for one, gain in ((alone[0], 2.0), (alone[2], 30.0)):
+        np.testing.assert_allclose(
+            one.data["tau"], one.data["u"] - gain * one.data["dq"], atol=1e-9
+        )
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

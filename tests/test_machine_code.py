@@ -143,6 +143,7 @@ def test_the_law_allocates_nothing_so_that_it_runs_from_disk_without_numba(monke
         machine_code, "_define_missing", lambda names: (needed.extend(names), define(names))
     )
     monkeypatch.setattr(callback, "_ready", {})
+    monkeypatch.setattr(callback, "_compiled", callback._compiled.__wrapped__)
     paper = rmj.load("paper")
     short = [paper.motion[0].model_dump(exclude_none=True) | {"duration": 1.0}]
     rmj.simulate(paper.replace({"motion": short, "expect": {}}))

@@ -1,8 +1,8 @@
 """The law as MuJoCo's control callback, compiled or interpreted.
 
 `mjcb_control` is one pointer for the whole process. What it points to finds all that it needs in
-the memory of the robot that is stepped, so that threads whose laws are the same function share it,
-as all laws that are compiled from the same command do; others wait for their turn.
+the memory of the robot that is stepped, which command of a law included, so that threads with
+compiled laws share it; one whose law is interpreted waits for its turn.
 """
 
 import ctypes
@@ -18,8 +18,18 @@ import mujoco
 from ..errors import CallbackError, ExperimentError
 from ..laws import memory
 from ..laws.adjusting import deviate
-from ..laws.controller import Command, act, begins_step, end_stage, failed, hold, standard
+from ..laws.controller import (
+    COMMANDS,
+    Command,
+    act,
+    begins_step,
+    end_stage,
+    failed,
+    hold,
+    standard,
+)
 from ..laws.custom_law import custom, said
+from ..laws.memory import Header
 from ..laws.misjudging import misjudge
 from ..laws.views import block, own
 from ..step_functions import STEP_FUNCTIONS, keep_source
@@ -44,8 +54,8 @@ _waiting: list[object] = []
 _compiling = threading.Lock()
 """Held while a law is compiled or loaded: threads that need the same one compile it once."""
 
-_ready: dict[bytes, Any] = {}
-"""Compiled callbacks of this process by all that they depend on."""
+_ready: dict[bytes, int] = {}
+"""Addresses of this process's compiled functions by all that these depend on."""
 
 
 _NESTED = (
@@ -63,7 +73,8 @@ def installed(*, interpret: bool = False, command: Command = standard) -> Iterat
 
     Args:
         interpret: run the law as plain Python, for a debugger, instead of compiled.
-        command: the part of the control step that sets y and τ; a custom law's, or the standard.
+        command: where it is interpreted the part of the control step that sets y and τ; compiled,
+            the robots' memory has it: see `command_of`.
 
     Raises:
         CallbackError: a control callback of another program is installed, or this thread is itself
@@ -71,7 +82,7 @@ def installed(*, interpret: bool = False, command: Command = standard) -> Iterat
     """
     global _installed
     refuse_foreign()
-    function = partial(_interpreted, command) if interpret else _compiled(command)
+    function = partial(_interpreted, command) if interpret else _compiled()
     this = threading.get_ident()
     with _turn:
         if this not in _users:
@@ -111,7 +122,9 @@ def stepping(
     """
     if interpret:
         return partial(_interpreted, command, model, data)
-    return partial(_compiled(command), model._address, data._address)
+    header = block(data.userdata)
+    header[Header.COMMAND], header[Header.CUSTOM] = command_of(command)
+    return partial(_compiled(), model._address, data._address)
 
 
 def _wait_for_turn(function: Any) -> None:
@@ -192,21 +205,39 @@ def _interpreted(command: Command, model: mujoco.MjModel, data: mujoco.MjData) -
     end_stage(mem, model.jnt_stiffness, model.qpos_spring, model.dof_damping)
 
 
-def _compiled(command: Command = standard) -> Callable[..., Any]:
-    """The control callback as a C function, compiled once and kept on disk.
+def command_of(command: Command) -> tuple[int, int]:
+    """What compiled code finds a command by: its number, and the address of a custom law's own.
 
-    A command that reads what may change without a trace is compiled anew each time.
+    A custom command is compiled apart from the rest of the step, and kept on disk; one that reads
+    what may change without a trace is compiled anew each time.
+
+    Raises:
+        ExperimentError: Numba cannot compile the command of a law's file.
     """
+    if command in COMMANDS:
+        return COMMANDS.index(command), 0
+
+    def translate() -> tuple[str, str]:
+        from . import compilation
+
+        return compilation.translate_command(command)
+
+    import numba
+
+    # Compiling anything defines what a law needs that allocates or raises.
+    numba.cfunc("void()")(lambda: None)
+    depends_on = frozen(command)
+    key = None if depends_on is None else _sources(command) + depends_on
+    return len(COMMANDS), _loaded(key, translate)
+
+
+@cache
+def _compiled() -> Callable[..., Any]:
+    """The control callback as a C function, compiled once and kept on disk."""
     import llvmlite.binding
 
-    if custom(command):
-        import numba
-
-        # Compiling anything defines what a law needs that allocates or raises.
-        numba.cfunc("void()")(lambda: None)
-
     with compiling:
-        from . import machine_code, structs
+        from . import structs
 
     llvmlite.binding.load_library_permanently(str(_libmujoco()))
     layout = (structs.MODEL_OFFSETS, structs.DATA_OFFSETS)
@@ -214,23 +245,28 @@ def _compiled(command: Command = standard) -> Callable[..., Any]:
     def translate() -> tuple[str, str]:
         from . import compilation
 
-        return compilation.translate(*layout, command)
+        return compilation.translate(*layout)
 
-    depends_on = frozen(command)
-    key = None if depends_on is None else repr(layout).encode() + _sources(command) + depends_on
+    address = _loaded(repr(layout).encode() + _sources(*COMMANDS), translate)
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+
+
+def _loaded(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
+    """Address of a function; see `machine_code.load`."""
+    with compiling:
+        from . import machine_code
     with _compiling:
         if key in _ready:
             return _ready[key]
         address = machine_code.load(key, translate)
-        function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
         if key is not None:
-            _ready[key] = function
-        return function
+            _ready[key] = address
+        return address
 
 
-def _sources(command: Command) -> bytes:
-    """All source code that the callback is made of, as it was imported."""
+def _sources(*commands: Command) -> bytes:
+    """All source code that control steps are made of, as it was imported."""
     folder = Path(__file__).parent
     files = {str(folder / "compilation.py"), str(folder / "compiled_views.py"), memory.__file__}
-    files |= {function.__code__.co_filename for function in (*STEP_FUNCTIONS, command)}
+    files |= {function.__code__.co_filename for function in (*STEP_FUNCTIONS, *commands)}
     return b"".join(map(keep_source, sorted(files)))

@@ -1,4 +1,4 @@
-"""The control callback translated by Numba, for one layout of MuJoCo's structs and one command."""
+"""The control callback, and the commands of laws' files, translated by Numba."""
 
 from collections.abc import Callable
 from types import FunctionType
@@ -6,6 +6,7 @@ from typing import Any
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import carray, types
 from numba.core import cgutils
 from numba.core.errors import NumbaError
@@ -13,7 +14,17 @@ from numba.extending import intrinsic, register_jitable
 
 from ..errors import ExperimentError
 from ..laws.adjusting import deviate
-from ..laws.controller import Command, act, begins_step, end_stage, failed, hold
+from ..laws.controller import (
+    Command,
+    act,
+    begins_step,
+    end_stage,
+    failed,
+    hold,
+    joint_space,
+    joint_task,
+    standard,
+)
 from ..laws.custom_law import custom
 from ..laws.memory import Header
 from ..laws.misjudging import misjudge
@@ -24,23 +35,17 @@ from . import compiled_views  # noqa: F401  so that Numba knows the views
 from .frozen import globals_read
 
 
-def translate(
-    model_offsets: tuple[int, ...], data_offsets: tuple[int, ...], command: Command
-) -> tuple[str, str]:
+def translate(model_offsets: tuple[int, ...], data_offsets: tuple[int, ...]) -> tuple[str, str]:
     """The callback in LLVM's language.
 
     Args:
         model_offsets: of `structs.MODEL_FIELDS` in mjModel [bytes].
         data_offsets: of `structs.DATA_FIELDS` in mjData [bytes].
-        command: the part of the control step that sets y and τ.
 
     Returns:
         The text, and the name of the C function in it: `void (mjModel *, mjData *)`.
-
-    Raises:
-        ExperimentError: Numba cannot compile the command of a law's file.
     """
-    command, law = _registered(command)
+    _register()
     jnt_stiffness, qpos_spring, dof_damping, nq, nv, nu, njnt, nuserdata = model_offsets
     userdata, qpos, qvel, ctrl, *place_of, qfrc_bias, qfrc_passive = data_offsets
     site_xpos, site_xmat, xanchor = place_of
@@ -66,7 +71,7 @@ def translate(
                 joints = _word(model, njnt), 3
                 anchor = carray(_pointer(_word(data, xanchor)), joints, np.float64)
                 misjudge(mem, place, anchor, position, orientation)
-            act(mem, place, speed, position, orientation, motors, command)
+            act(mem, place, speed, position, orientation, motors, _command)
         place = _doubles(_word(data, qpos), _word(model, nq))
         stiffness = _doubles(_word(model, jnt_stiffness), _word(model, njnt))
         rest = _doubles(_word(model, qpos_spring), _word(model, nq))
@@ -76,12 +81,30 @@ def translate(
             hold(speed, motors, _doubles(_word(data, qfrc_bias), _word(model, nv)), passive)
         end_stage(mem, stiffness, rest, _doubles(_word(model, dof_damping), _word(model, nv)))
 
-    signature = types.void(types.intp, types.intp)
+    compiled = numba.cfunc(_SIGNATURE, error_model="numpy")(control)
+    return compiled.inspect_llvm(), compiled.native_name
+
+
+def translate_command(command: Command) -> tuple[str, str]:
+    """The command of a law's file in LLVM's language.
+
+    Returns:
+        The text, and the name of the C function in it: `void (double *memory, intp_t size)`.
+
+    Raises:
+        ExperimentError: Numba cannot compile it.
+    """
+    law = custom(command)
+    assert law is not None
+    _register()
+    guarded = _guarded(command, law)
+
+    def act_on(memory: int, size: int) -> None:
+        guarded(_doubles(memory, size))
+
     try:
-        compiled = numba.cfunc(signature, error_model="numpy")(control)
+        compiled = numba.cfunc(_SIGNATURE, error_model="numpy")(act_on)
     except Exception as error:
-        if law is None:
-            raise
         raise ExperimentError(
             f"{law.__code__.co_filename}: command cannot be compiled: {_reason(law, error)}; "
             "--interpret runs it as plain Python"
@@ -89,17 +112,30 @@ def translate(
     return compiled.inspect_llvm(), compiled.native_name
 
 
-def _registered(command: Command) -> tuple[Command, Callable[..., None] | None]:
-    """A command as compiled code can call it, with all that a step is made of; and a user's law."""
-    for function in (*STEP_FUNCTIONS, command):
+@register_jitable
+def _command(memory: np.ndarray) -> None:
+    """Set y and τ by the command whose number is in the memory."""
+    number = memory[Header.COMMAND]
+    if number == 0.0:
+        standard(memory)
+    elif number == 1.0:
+        joint_task(memory)
+    elif number == 2.0:
+        joint_space(memory)
+    else:
+        _call(int(memory[Header.CUSTOM]), memory.ctypes.data, memory.size)
+
+
+def _register() -> None:
+    """Let compiled code call the step functions."""
+    for function in STEP_FUNCTIONS:
         # What makes a row is inlined, so that a view that is not used costs nothing.
         register_jitable(forceinline=function is row)(function)
-    law = custom(command)
-    return (command if law is None else _guarded(command, law)), law
 
 
 def _guarded(command: Command, law: Callable[..., None]) -> Command:
     """A custom command that fails the run where it raises an exception or leaves an array."""
+    register_jitable(command)
     for function in _reached(law, {}):
         register_jitable(boundscheck=True)(function)
 
@@ -144,6 +180,23 @@ def _reason(law: Callable[..., None], error: Exception) -> str:
 _mj_jacSite = types.ExternalFunction(  # noqa: N816
     "mj_jacSite", types.void(types.intp, types.intp, types.uintp, types.uintp, types.int32)
 )
+
+
+_SIGNATURE = types.void(types.intp, types.intp)
+
+
+@intrinsic
+def _call(typing_context: Any, function: Any, memory: Any, size: Any) -> Any:
+    """Call the C function at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        word = context.get_value_type(types.intp)
+        kind = ir.FunctionType(ir.VoidType(), [word, word])
+        address = builder.inttoptr(arguments[0], kind.as_pointer())
+        builder.call(address, arguments[1:])
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.uintp, types.intp), generate
 
 
 @intrinsic

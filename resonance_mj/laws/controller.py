@@ -285,3 +285,7 @@ def hold(qvel: np.ndarray, ctrl: np.ndarray, *forces: np.ndarray) -> None:
 def _clear(array: np.ndarray) -> None:
     for i in range(array.size):
         array[i] = 0.0
+
+
+COMMANDS: tuple[Command, ...] = (standard, joint_task, joint_space)
+"""The commands that come with the program."""

@@ -93,6 +93,8 @@ _SCALARS = (
     "driven",  # 1 for motors with a rate or a speed
     "material",  # 1 for springs that do not follow Hooke's law
     "misjudged",  # 1 where the controller takes the arm's dimensions for others
+    "command",  # number of the part of the control step that sets y and τ, where it is compiled
+    "custom",  # address of that of a law's file, in this process
     "ease",  # what is left in a time step of the speed at which springs go on their way
     "outside",  # 1 where the Jacobian is handed in and not MuJoCo's
     "clock",  # time steps since the run began
@@ -204,7 +206,7 @@ class Memory:
 
     def fixed(self, robot: int) -> np.ndarray:
         """What no step of a robot changes: sizes, places and addresses, by which steps find all."""
-        changes = ("stage", "step", "clock", "filtered")
+        changes = ("stage", "step", "clock", "filtered", "command", "custom")
         header = [self.scalar(name)[robot] for name in NUMBERS if name not in changes]
         addresses = ["qpos_address", "dof_address", "joint_id", "actuator_id"]
         addresses += ["coordinate", "leader", "encoder_address", "encoder_dof"]

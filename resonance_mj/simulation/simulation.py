@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import mujoco
 
-from ..callback.callback import installed, not_kept, refuse_foreign
+from ..callback.callback import command_of, installed, not_kept, refuse_foreign
 from ..claim import claimed
 from ..errors import DivergedWarning, ExperimentError
 from ..experiments.experiment import Experiment
@@ -230,6 +230,10 @@ def simulate_plans(
     if resume is not None:
         members[0].resume(resume)
         wall, done = resume.simulation_wall_s, resume.data.sizes["cycle"]
+    if not interpret:
+        for index, plan in enumerate(plans):
+            found = command_of(plan.law.command)
+            memory.scalar("command")[index], memory.scalar("custom")[index] = found
     started = time.perf_counter()
     with heard(), installed(interpret=interpret, command=first.law.command):
         for cycle, segment in list(enumerate(first.schedule))[done:]:
@@ -268,7 +272,7 @@ def _fits_with(plan: Plan) -> tuple[object, ...]:
     """Equal for experiments that one batch can step together."""
     robot, motion = plan.experiment.robot, plan.experiment.motion
     arm = robot.mjcf, robot.tool, robot.arm, robot.joints, plan.robot.payload
-    how = plan.experiment.simulation.integrator, plan.law.command, plan.layout
+    how = plan.experiment.simulation.integrator, plan.layout
     parts = [tuple(steps for steps, _ in plan.parts(i)) for i in range(len(motion))]
     cycles = tuple((one.blend, *part) for one, part in zip(motion, parts, strict=True))
     of = plan.experiment.springs.element, plan.experiment.task
