@@ -14,6 +14,8 @@ class Status(StrEnum):
     """The tool still follows its path, with an error that has grown from cycle to cycle."""
     IN_CONTACT = "in contact"
     """The tool follows its path, and the arm touches something on its way, or a joint its stop."""
+    NOISY = "noisy"
+    """The tool follows its path, and most of the motors' torque is no part of the motion."""
     INTERRUPTED = "interrupted"
     """It was asked to stop before all cycles were simulated; what there is was kept."""
     DIVERGED = "diverged"

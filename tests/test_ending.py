@@ -214,6 +214,37 @@ def test_pure_resonance_is_at_the_optimum_though_it_needs_no_torque(tmp_path):
     assert run.motions[0].cycles_to_optimum <= 15
 
 
+def noisy(**changes):
+    """Fifteen cycles of the paper's arm, of whose encoders the law is not told."""
+    paper = rmj.load("two-link-transfer")
+    motion = [paper.motion[0].model_dump(exclude_none=True) | {"duration": 15.0}]
+    asked = {"law": {}, "springs": {}, "expect": {}, "motion": motion}
+    asked |= {"reality.encoder_noise": 1e-3}
+    return rmj.simulate(paper.replace(asked | changes))
+
+
+def test_motors_that_act_on_noise_are_not_ok_though_the_tool_follows_its_path(tmp_path):
+    """Their torque² recomputed from the samples: most is beyond the twentieth harmonic."""
+    run = noisy(**{"law.listens": False})
+    (motion,) = run.motions
+    assert motion.tracks[-1]
+    assert run.status == "noisy"
+    last = motion.samples["cycle_of_sample"].values == motion.cycles[-1]
+    power = np.abs(np.fft.rfft(motion.samples["tau"].values[last], axis=0)) ** 2
+    power[1:] *= 2
+    share = power[21:].sum() / power.sum()
+    assert share > 0.9
+    for words in (f"{100 * share:.0f}", "act on noise", "listens", "law.omega", "encoder_noise"):
+        assert words in run.message, run.message
+    assert motion.torque_squared[-1] > 5 * motion.torque_squared_without_springs
+    run.save(tmp_path / "noisy")
+    assert rmj.Run.load(tmp_path / "noisy").status == "noisy"
+
+
+def test_the_law_that_listens_is_ok_under_the_same_noise():
+    assert noisy().status == "ok"
+
+
 def test_the_command_ends_with_1_and_says_why(tmp_path):
     an_arm(tmp_path)
     ended = subprocess.run(

@@ -94,6 +94,7 @@ MARKS = {
     Status.DIVERGED: ("diverged", "×"),
     Status.DIVERGING: ("diverging", "↑"),
     Status.IN_CONTACT: ("in contact", "hit"),
+    Status.NOISY: ("noisy", "~"),
 }
 """What is said of a run in the map in place of its figure, and in short."""
 

@@ -132,7 +132,7 @@ class Expect(OfMotion):
     """What a run must show; the figures are those of each of its motions."""
 
     status: Status = Status.OK
-    """How the run must end: ok, not tracking, in contact or diverged."""
+    """How the run must end: ok, not tracking, in contact, noisy or diverged."""
     motion: tuple[OfMotion, ...] = ()
     """What single motions must show besides: a table [[expect.motion]] for each, in order."""
     versions: dict[str, str] | None = None

@@ -43,10 +43,11 @@ def ending(
         motions: of the run.
         hindered: `hindrances` of the last whole cycle of each that has one, by its number from 0.
     """
-    lost, growing, touched, notes = [], [], [], []
+    lost, growing, touched, noisy, notes = [], [], [], [], []
     for index, held in hindered.items():
         motion, name = motions[index], f"motion {index + 1}"
         bearing = [one for one in held if one.bears]
+        noise = [one for one in held if one.is_noise]
         notes += [Caution(f"in the last cycle of {name} {one.what}") for one in held]
         if not motion.tracks[-1]:
             lost.append(_lost(plan, index, motion, held))
@@ -67,10 +68,12 @@ def ending(
                     )
                 elif growth:
                     notes.append(Caution(f"{what} of {name} has {growth}"))
+            noisy += [f"in the last cycle of {name} {each.what}; try {each.cure}" for each in noise]
     found = {
         Status.NOT_TRACKING: lost,
         Status.DIVERGING: growing,
         Status.IN_CONTACT: touched,
+        Status.NOISY: noisy,
         Status.OK: [""],
     }
     status = next(status for status, why in found.items() if why)

@@ -1,9 +1,12 @@
-"""What keeps an arm from a motion: contacts, the ends of joints' ranges, motors at their limits."""
+"""What keeps an arm from a motion: contacts, ends of joints' ranges, motors at limits, noise."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from ..laws.gains import HARMONICS
+from ..laws.laws import listens
+from ..laws.learning import low_pass
 from ..plan.plan import Plan
 from ..robots.motors import limits_along
 from ..robots.touching import PASSING, touching
@@ -12,6 +15,10 @@ from ..text import joined, percent
 
 LOOKED_AT = 250
 """Samples of a cycle at which it is seen what touches."""
+
+NOISY, WORTH = 0.5, 0.01
+"""Share of a cycle's torque² beyond its motion's harmonics from which on motors act on noise, and
+the share of torque² without springs below which it is too little to matter."""
 
 MOST = 3
 """Hindrances that a message names."""
@@ -47,11 +54,13 @@ class Hindrance(NamedTuple):
     cure: str
     bears: bool = True
     """Whether it exerts a force of its own."""
+    is_noise: bool = False
+    """Whether it is what the motors do besides the motion."""
 
 
 def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     """What touches in a whole cycle of a motion, and what is at the end of what it can do."""
-    of = (_contacts, _ranges, _motors)
+    of = (_contacts, _ranges, _motors, _noise)
     return [one for found in of for one in found(plan, index, cycle)]
 
 
@@ -113,6 +122,31 @@ def _motors(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
             bears=False,
         )
         for j in np.flatnonzero(held_back > at_limit)
+    ]
+
+
+def _noise(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """How much of the motors' torque is no part of the motion."""
+    gains = plan.gains
+    fast = cycle.tau - low_pass(cycle.tau, gains.harmonics or HARMONICS)
+    power, noise = (float((tau**2).sum(axis=1).mean()) for tau in (cycle.tau, fast))
+    without = plan.optima[index].torque_squared_without_springs
+    if noise <= max(NOISY * power, WORTH * without):
+        return []
+    cures = [f"a smaller law.omega (now {gains.omega:g} 1/s)"]
+    if plan.law.listens and not listens(plan.experiment.law):
+        cures.insert(0, "law.listens = true")
+    reality = plan.experiment.reality
+    cures += ["a smaller reality.encoder_noise"] if reality.encoder_noise else []
+    return [
+        Hindrance(
+            f"{percent(noise / power, 0)} of the motors' torque² is faster than the motion's "
+            f"harmonics: they act on noise, {noise / without:.3g} times torque² without "
+            "springs",
+            " or ".join(cures),
+            bears=False,
+            is_noise=True,
+        )
     ]
 
 

@@ -75,7 +75,7 @@ def simulate(
     Returns:
         The run. One that diverges stops there, with a DivergedWarning, status DIVERGED and what was
         recorded; one whose tool does not follow its path at the end has status NOT_TRACKING, one
-        that touches something on its way IN_CONTACT.
+        that touches something on its way IN_CONTACT, one whose motors act on noise NOISY.
 
     Raises:
         RobotError: the robot cannot be loaded.

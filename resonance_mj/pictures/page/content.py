@@ -30,6 +30,7 @@ ENDED = {
     Status.INTERRUPTED: "The run was interrupted",
     Status.DIVERGING: "The run was diverging",
     Status.IN_CONTACT: "The arm was in contact",
+    Status.NOISY: "The motors acted on noise",
 }
 """How a run that is not ok ended, in a sentence."""
 
