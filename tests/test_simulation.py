@@ -471,6 +471,19 @@ def test_thinning_keeps_whole_cycles_with_both_ends_and_the_per_cycle_part_as_it
         np.testing.assert_array_equal(thin[name].values, same[name].values, err_msg=name)
 
 
+@pytest.mark.filterwarnings("ignore::resonance_mj.errors.DivergedWarning")
+def test_a_thinned_run_that_diverges_keeps_the_cycles_that_led_to_it():
+    paper = rmj.load("paper").replace({"law.beta": 8.0, "motion.0.duration": 60.0})
+    whole = rmj.simulate(paper).data
+    thin = rmj.simulate(paper.replace({"simulation.samples": 1})).data
+    done = whole.sizes["cycle"]
+    assert 10 < done < 60
+    assert {1, 2, done - 1, done} == set(thin["cycle_of_sample"].values.tolist())
+    same = whole.isel(time=np.isin(whole["cycle_of_sample"].values, [1, 2, done - 1, done]))
+    for name in whole.variables:
+        np.testing.assert_array_equal(thin[name].values, same[name].values, err_msg=name)
+
+
 def test_saved_run_is_loaded_as_it_was(tmp_path):
     run = rmj.simulate(
         rmj.load("paper").replace({"motion.0.duration": 2.0, "motion.1.duration": 2.0})

@@ -18,7 +18,7 @@ from ..springs.optimum import Optimum, best_springs
 from ..springs.spring import equilibrium_angles
 from .hindrances import Hindrance, LastCycle
 from .motors import of_motors
-from .thinning import kept_cycles
+from .thinning import Samples, Signals
 
 POSES = 4
 """Poses of a cycle at which its distance from singular poses is measured."""
@@ -35,9 +35,6 @@ FIGURES = ("torque_squared", "tracking_rms", "singular_value")
 PER_CYCLE = (*SPRINGS, "parameters")
 """What is kept of the springs at the end of each."""
 
-Signals = dict[str, np.ndarray]
-"""What a cycle's control steps recorded, by the names of `COLUMNS`, and x_desired (N, ·)."""
-
 
 class Recording:
     """The samples of one robot's run."""
@@ -47,19 +44,13 @@ class Recording:
         self._cost = plan.gains.bounds.objective
         self._dt = plan.experiment.simulation.timestep
         self._segment = np.array(plan.schedule)
-        self._kept = kept_cycles(plan)
         parameters = len(names(plan.robot.elements))
         self._width = {"joint": plan.robot.n, "axis": plan.robot.m, "parameter": parameters}
-        # Made at once, and touched: it does not grow. What diverges keeps part of a cycle more.
-        steps = [plan.steps(segment) for segment in plan.schedule]
-        room = sum(steps[cycle] for cycle in self._kept) + max(steps)
-        self._samples = {
-            name: np.full((room, *self._wide(name)), 0.0)
-            for name in (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
-        }
+        names_of_samples = (*COLUMNS, "x_desired", "center", "time", "cycle_of_sample")
+        self._samples = Samples(plan, {name: self._wide(name) for name in names_of_samples})
         asked = {"cost": self._cost, "rotation_rms": plan.robot.rotates}
         asked["joint_rms"] = plan.robot.joint_space
-        self._filled, also = 0, [name for name, has in asked.items() if has]
+        also = [name for name, has in asked.items() if has]
         self._cycles = {
             name: np.empty((len(self._segment), *self._wide(name)))
             for name in (*FIGURES, *also, *(f"{name}_per_cycle" for name in PER_CYCLE))
@@ -84,8 +75,9 @@ class Recording:
         of_sample = data["cycle_of_sample"].values
         for cycle in np.unique(of_sample).tolist():
             mine = data.isel(time=np.flatnonzero(of_sample == cycle))
-            self._keep({name: mine[name].values for name in self._samples})
-            q, tau, center = (mine[name].values for name in ("q", "tau", "center"))
+            signals = {name: mine[name].values for name in self._samples.names}
+            self._samples.take(cycle - 1, signals)
+            q, tau, center = (signals[name] for name in ("q", "tau", "center"))
             parameters = self._cycles["parameters_per_cycle"][cycle - 1]
             others = Elements(self._robot.elements, parameters)
             own = mine["stiffness"].values, mine["offset"].values
@@ -125,10 +117,9 @@ class Recording:
             whole: whether the cycle was simulated whole; only then it counts as a cycle.
         """
         cycle, steps = self._done, len(signals["q"])
-        if cycle in self._kept or not whole:
-            time = self._time + np.arange(steps) * self._dt
-            more = {"center": springs.center, "time": time, "cycle_of_sample": np.array(cycle + 1)}
-            self._keep(signals | more)
+        time = self._time + np.arange(steps) * self._dt
+        more = {"center": springs.center, "time": time, "cycle_of_sample": np.array(cycle + 1)}
+        self._samples.take(cycle, signals | more, whole=whole)
         if not whole:
             return
         self._time += steps * self._dt
@@ -206,13 +197,6 @@ class Recording:
         rotation = self._cycles["rotation_rms"][at] if self._robot.rotates else None
         return bool(metrics.tracks(self._cycles["tracking_rms"][at], size, rotation))
 
-    def _keep(self, samples: Signals) -> None:
-        """Keep samples in time."""
-        end = self._filled + len(samples["time"])
-        for name, kept in self._samples.items():
-            kept[self._filled : end] = samples[name]
-        self._filled = end
-
     def _wide(self, name: str) -> tuple[int, ...]:
         """Sizes of a variable, but for its first."""
         _, *dims = (schema.VARIABLES | schema.COORDINATES)[name].dims
@@ -232,7 +216,7 @@ class Recording:
         plan, robot, size = self._plan, self._robot, extents(self._plan)
         optima, made = self.optima(size, hindered)
         cycles = self._done
-        values = {name: kept[: self._filled].copy() for name, kept in self._samples.items()}
+        values = self._samples.so_far(cycles)
         values |= {name: kept[:cycles].copy() for name, kept in self._cycles.items()}
         if robot.joint_space:
             values["swing"] = np.array([np.ptp(one.q, axis=0).max() for one in plan.joints])
@@ -284,7 +268,7 @@ class Recording:
                 "period": np.array([motion.period for motion in plan.experiment.motion]),
             },
             units=units,
-            thinned=len(self._kept) < len(self._segment),
+            thinned=self._samples.thinned,
         )
 
 
