@@ -24,6 +24,11 @@ def states(robot):
     return rng.uniform(-3, 3, (40, robot.n)), rng.uniform(-9, 9, (40, robot.n))
 
 
+def inverse_of(robot):
+    data = mujoco.MjData(robot.model)
+    return InverseKinematics(robot, data, Chain(robot, data))
+
+
 def test_poses_jacobians_and_their_rates_are_those_of_mujoco(robot, states):
     chain, model, data = Chain(robot), robot.model, mujoco.MjData(robot.model)
     poses = chain.poses(states[0])
@@ -65,7 +70,7 @@ def test_rotations_of_many_are_those_of_one():
 @pytest.mark.parametrize("name", ["paper", "six-joint-pose"])
 def test_a_motion_has_the_joint_angles_that_its_positions_have_one_by_one(name):
     plan = plan_for(rmj.load(name))
-    inverse, x = InverseKinematics(plan.robot, Chain(plan.robot)), plan.desired(0).x
+    inverse, x = inverse_of(plan.robot), plan.desired(0).x
     at_once = inverse.along(x, plan.robot.home, 0.0)
     q = plan.robot.home
     for i, position in enumerate(x):
@@ -80,7 +85,7 @@ def test_of_a_motion_out_of_reach_the_first_such_position_is_the_last_that_is_lo
     t = np.linspace(0, 2 * np.pi, 1000, endpoint=False)
     center = Chain(robot).positions(Chain(robot).poses(robot.home[None]))[0]
     x = center * (1 + 1.03 * (1 - np.cos(t))[:, None])  # outwards from the base, and back
-    found = InverseKinematics(robot, Chain(robot)).along(x, robot.home, 0.0)
+    found = inverse_of(robot).along(x, robot.home, 0.0)
     reach = 0.3 + 0.25
     first = int(np.argmax(np.linalg.norm(x, axis=1) > reach))
     assert not found.reached

@@ -165,7 +165,12 @@ def refuse_foreign() -> None:
 
 def pointer(name: str) -> int | None:
     """Address of the callback mjcb_NAME that is installed, None for none."""
-    return ctypes.c_void_p.in_dll(ctypes.CDLL(str(_libmujoco())), f"mjcb_{name}").value
+    return _pointer(name).value
+
+
+@cache
+def _pointer(name: str) -> ctypes.c_void_p:
+    return ctypes.c_void_p.in_dll(ctypes.CDLL(str(_libmujoco())), f"mjcb_{name}")
 
 
 @cache

@@ -96,7 +96,7 @@ def gains(
     dt = experiment.simulation.timestep
     by_hand = not robot.joint_space and (law.k_v is not None or law.k_p is not None)
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
-    own = gravity_rate(kinematics)
+    own = kinematics.once("gravity_rate", lambda: gravity_rate(kinematics))
     usual, fastest = PRINTED if law.printed else (BANDWIDTH, FASTEST)
     held = experiment.reality.control_period
     most = HELD if experiment.reality.joint_stiffness is None else GEARED

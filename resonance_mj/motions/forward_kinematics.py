@@ -48,11 +48,12 @@ class Chain:
 
     Args:
         robot: whose joints move; all others stay as they are at its home pose.
+        data: of its model, written; one of its own if not given.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, data: mujoco.MjData | None = None) -> None:
         model = robot.model
-        data = mujoco.MjData(model)
+        data = data or mujoco.MjData(model)
         data.qpos[:] = robot.qpos
         mujoco.mj_kinematics(model, data)
         found = path_to_tool(robot)

@@ -46,13 +46,13 @@ class InverseKinematics:
 
     Args:
         robot: that is looked at.
+        data: of its model, at its home pose; written.
         chain: its joints.
     """
 
-    def __init__(self, robot: Robot, chain: Chain) -> None:
+    def __init__(self, robot: Robot, data: mujoco.MjData, chain: Chain) -> None:
         self._robot, self._followers, self._chain = robot, robot.followers, chain
-        self._model, self._data = robot.model, mujoco.MjData(robot.model)
-        self._data.qpos[:] = robot.qpos
+        self._model, self._data = robot.model, data
         # A motion asks for these thousands of times: looked up, and room for them made, once.
         self._qpos, self._of_q = self._data.qpos, _span(robot.qpos_address)
         self._at = self._data.site_xpos[robot.site]

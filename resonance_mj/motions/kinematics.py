@@ -1,7 +1,8 @@
 """Joint motion behind a task-space motion: for the evaluation, never for the controller."""
 
+import copy
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Self, TypeVar, cast
 
 import mujoco
 import numpy as np
@@ -12,6 +13,8 @@ from ..robots.robot import Robot
 from .forward_kinematics import Chain
 from .inverse_kinematics import REACHED, InverseKinematics
 from .motion import Samples
+
+T = TypeVar("T")
 
 DRIFTING = 5
 """Most cycles that joints which the task leaves free drift before their motion is periodic."""
@@ -41,13 +44,28 @@ class Kinematics:
     def __init__(self, robot: Robot) -> None:
         self.robot, self._followers = robot, robot.followers
         self._model, self._data = robot.model, mujoco.MjData(robot.model)
-        self._data.qpos[:] = robot.qpos
-        self._chain = Chain(robot)
-        self._inverse = InverseKinematics(robot, self._chain)
+        self._chain = Chain(robot, self._data)
+        self._inverse = InverseKinematics(robot, self._data, self._chain)
+        self._known: dict[object, object] = {}
+
+    def of(self, robot: Robot) -> Self:
+        """The same for a copy of the robot, with all that was found."""
+        other = copy.copy(self)
+        other.robot = robot
+        return other
+
+    def once(self, key: object, work: Callable[[], T]) -> T:
+        """What some work finds that depends on the robot and a key alone."""
+        if key not in self._known:
+            self._known[key] = work()
+        return cast("T", self._known[key])
 
     def position(self, q: np.ndarray) -> np.ndarray:
         """Tool position x = f(q) (m,) [m, rad] at joint angles q (n,) [rad]."""
-        return self._chain.positions(self._chain.poses(q[None]))[0]
+        found = self.once(
+            ("position", q.tobytes()), lambda: self._chain.positions(self._chain.poses(q[None]))[0]
+        )
+        return found.copy()
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Task Jacobian J(q) (m, n) [m/rad] at joint angles q (n,) [rad]."""
@@ -73,6 +91,9 @@ class Kinematics:
 
     def inertia(self, q: np.ndarray) -> np.ndarray:
         """Inertia matrix of the joints (n, n) [kg m^2] at joint angles q (n,) [rad]."""
+        return self.once(("inertia", q.tobytes()), lambda: self._inertia(q)).copy()
+
+    def _inertia(self, q: np.ndarray) -> np.ndarray:
         data, dofs = self._data, self.robot.dof_address
         data.qpos[self.robot.qpos_address] = q
         self._followers.place(data.qpos)
@@ -82,7 +103,7 @@ class Kinematics:
         full = np.zeros((self._model.nv, self._model.nv))
         mujoco.mj_fullM(self._model, data, full)
         full = self._followers.borne(self._followers.borne(full).T)
-        return full[np.ix_(dofs, dofs)]
+        return np.asarray(full[np.ix_(dofs, dofs)])
 
     def solve(self, x: np.ndarray, q: np.ndarray, iterations: int = 200) -> np.ndarray:
         """Joint angles near `q` whose tool position is nearest to `x` (n,) [rad].

@@ -1,5 +1,7 @@
 """Poses of an arm that its gains are chosen at, by inverse kinematics of a few points."""
 
+from functools import partial
+
 import numpy as np
 
 from ..experiments.experiment import Experiment
@@ -17,7 +19,10 @@ EACH = 3
 
 def middles(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:
     """Joint angles (n,) with the tool in the mean of each motion; at home if it is out of reach."""
-    return [_middle(motion, kinematics) for motion in experiment.motion]
+    return [
+        kinematics.once(("middle", motion), partial(_middle, motion, kinematics))
+        for motion in experiment.motion
+    ]
 
 
 def along(experiment: Experiment, kinematics: Kinematics) -> list[np.ndarray]:

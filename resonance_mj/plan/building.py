@@ -4,14 +4,18 @@ from typing import cast
 
 from ..experiments.experiment import Experiment
 from ..laws.memory import layout_of
-from ..robots.robot import Robot, build
+from ..motions.kinematics import Kinematics
+from ..robots.robot import build
 
 Followed = dict[tuple[object, ...], object]
 """Arms, joint motions, the torque that they need and the best springs, by all they depend on."""
 
 
-def built(experiment: Experiment, followed: Followed | None) -> Robot:
-    """The robot of an experiment; a copy of one that was built for an experiment like it, if any.
+def built(experiment: Experiment, followed: Followed | None) -> Kinematics:
+    """Kinematics of the robot of an experiment.
+
+    The robot is a copy of one that was built for an experiment like it, if any, with models of its
+    own.
 
     Args:
         experiment: what it is for.
@@ -22,7 +26,7 @@ def built(experiment: Experiment, followed: Followed | None) -> Robot:
         return layout_of(experiment, joints, coordinates, dofs).size
 
     if followed is None:
-        return build(experiment, room)
+        return Kinematics(build(experiment, room))
     carries = any(motion.carries for motion in experiment.motion)
     how = experiment.simulation.model_copy(update={"samples": None})
     springs = repr(experiment.springs)
@@ -30,8 +34,10 @@ def built(experiment: Experiment, followed: Followed | None) -> Robot:
     motors = real.motor_torque, real.motor_speed, real.base_tilt
     geared = real.joint_stiffness, real.rotor_inertia, real.backlash
     key = "robot", experiment.robot, experiment.task, how, springs, carries, motors, geared
-    robot, size = cast("tuple[Robot, int]", followed.get(key, (None, 0)))
-    if robot is None or size != room(robot.n, robot.m, robot.model.nv):
-        robot = build(experiment, room)
-        followed[key] = robot, room(robot.n, robot.m, robot.model.nv)
-    return robot.copied()
+    shared, size = cast("tuple[Kinematics | None, int]", followed.get(key, (None, 0)))
+    robot = None if shared is None else shared.robot
+    if shared is None or robot is None or size != room(robot.n, robot.m, robot.model.nv):
+        shared = Kinematics(build(experiment, room))
+        robot = shared.robot
+        followed[key] = shared, room(robot.n, robot.m, robot.model.nv)
+    return shared.of(robot.copied())

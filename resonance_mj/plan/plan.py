@@ -258,8 +258,8 @@ def plan_for(
     """
     refuse_foreign()
     law = laws.load(experiment.law.kind).in_space(experiment.task.space)
-    robot = built(experiment, followed)
-    unloaded = Kinematics(robot)
+    unloaded = built(experiment, followed)
+    robot = unloaded.robot
     said = [*robot.notes, *law.said]
     experiment = adapting(experiment, law, robot, said)
     with heard() as warned:

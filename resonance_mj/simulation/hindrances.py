@@ -131,7 +131,7 @@ def _noise(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     fast = cycle.tau - low_pass(cycle.tau, gains.harmonics or HARMONICS)
     power, noise = (float((tau**2).sum(axis=1).mean()) for tau in (cycle.tau, fast))
     without = plan.optima[index].torque_squared_without_springs
-    if noise <= max(NOISY * power, WORTH * without):
+    if not without or noise <= max(NOISY * power, WORTH * without):
         return []
     cures = [f"a smaller law.omega (now {gains.omega:g} 1/s)"]
     if plan.law.listens and not listens(plan.experiment.law):
