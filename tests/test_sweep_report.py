@@ -144,3 +144,22 @@ def test_a_sweep_stands_alone_and_its_settings_must_be_there(folder, tmp_path, c
     (copy / "sweep.json").write_bytes((folder / "sweep.json").read_bytes())
     assert main(["report", str(copy)]) == 2
     assert not (copy / "report.html").exists()
+
+
+def test_runs_that_ask_for_the_least_of_another_cost_are_judged_by_it(tmp_path):
+    keys = {"law.eta": [0.3, 0.5, 0.8]}
+    longer = SHORT.replace({"motion.0.duration": 12.0, "springs.cost": "energy", "law": {}})
+    data = rmj.sweep(longer, keys, folder=tmp_path / "sweep", progress=False)
+    assert data.attrs["cost"] == "energy"
+    assert data["cost"].attrs["units"] == "W"
+    page = rmj.report(tmp_path / "sweep", progress=False).read_text()
+    assert "The runs that leave least electrical power in motion 1" in page
+    assert "mean electrical power<br>[W]" in page
+    assert "torque²" not in re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)
+    best = [row[:1] for row in rows(page, "best-1")]
+    cost = data["cost"].sel(motion=1)
+    assert [float(row[0]) for row in best] == list(cost["law.eta"].values[np.argsort(cost.values)])
+    # What costs less need not be what asks for less torque².
+    mixed = {"springs.cost": ["torque-squared", "energy"]}
+    data = rmj.sweep(SHORT, mixed, folder=tmp_path / "mixed", progress=False)
+    assert data.attrs["cost"] == "torque-squared"

@@ -14,7 +14,8 @@ import xarray as xr
 from ..errors import OutputError
 from ..experiments.sweeping import Sweep
 from ..results.run import Run, finite
-from ..results.schema import MOTORS, VARIABLES
+from ..results.schema import COST, MOTORS, VARIABLES
+from ..springs.cost import KINDS
 from ..text import shown
 
 WHOLE, TABLE, SETTINGS = "sweep.nc", "summary.csv", "sweep.json"
@@ -53,6 +54,7 @@ class Outcome:
         motions: figures of each motion's last whole cycle, as in summary.json.
         cycles: of each name in `PER_CYCLE`, the values of all cycles.
         diverges: whether it diverges by the linear analysis; None where that was not asked for.
+        cost: `springs.cost`.
     """
 
     status: str
@@ -61,6 +63,7 @@ class Outcome:
     motions: list[dict[str, Any]]
     cycles: dict[str, list[float]]
     diverges: bool | None = None
+    cost: str = "torque-squared"
 
     @classmethod
     def of(cls, run: Run, diverges: bool | None = None) -> Outcome:
@@ -76,6 +79,7 @@ class Outcome:
             ],
             cycles={name: finite(data[name].values.tolist()) for name in PER_CYCLE},
             diverges=diverges,
+            cost=run.experiment.springs.cost,
         )
 
     @classmethod
@@ -168,7 +172,11 @@ def of(settings: Sweep, outcomes: Sequence[Outcome]) -> xr.Dataset:
         known = VARIABLES.get(name.removesuffix("_per_cycle"))
         unit = "J" if name.startswith("electrical_energy") else "1"
         found[name].attrs["units"] = known.units if known else unit
-    return found.assign_attrs(title=f"resonance-mj sweep of {settings.experiment}")
+    costs = {one.cost for one in outcomes if one.motions}
+    cost = costs.pop() if len(costs) == 1 else "torque-squared"
+    for name in COST:
+        found[name].attrs["units"] = KINDS[cost].units
+    return found.assign_attrs(title=f"resonance-mj sweep of {settings.experiment}", cost=cost)
 
 
 def _coordinate(values: Sequence[Any]) -> np.ndarray:

@@ -18,10 +18,14 @@ from .style import HEADING, Look, enlarged, if_titled, look, styled
 
 LABELS = {
     "torque_share": "share of the possible reduction",
+    "cost_share": "share of the possible reduction",
     "cycles_to_optimum": "cycles to the optimum",
     "tracking_rms": "tracking RMS [m]",
 }
 """What axes are called, where the variable's name and unit would say less."""
+
+SHARES = ("torque_share", "cost_share")
+"""Metrics that are the reduction over that of the optimum."""
 
 SEED = "reality.seed"
 """Of a grid over it the median is drawn, and over one other key the spread."""
@@ -44,8 +48,8 @@ def figure(data: xr.Dataset, metric: str, width: float, asked: Look | None = Non
 
     Args:
         data: from `sweep`.
-        metric: one of the dataset's figures per motion, or torque_share: the reduction over that of
-            the optimum. Runs that are not ok have none.
+        metric: one of the dataset's figures per motion, or torque_share or cost_share: the
+            reduction over that of the optimum. Runs that are not ok have none.
         width: of the figure [in].
         asked: what else is asked of it.
 
@@ -117,14 +121,15 @@ def label(data: xr.Dataset, metric: str) -> str:
 
 
 def _values(data: xr.Dataset, metric: str) -> xr.DataArray:
-    if metric == "torque_share":
-        found = data["torque_reduction"] / data["torque_reduction_optimal"]
+    if metric in SHARES:
+        reduction = data[metric.replace("share", "reduction")]
+        found = reduction / data[metric.replace("share", "reduction_optimal")]
     elif metric in data and "motion" in data[metric].dims and "joint" not in data[metric].dims:
         found = data[metric]
     else:
         per_motion = [str(n) for n in data if {"motion"} == set(data[n].dims) & {"motion", "joint"}]
         raise PictureError(
-            f"metric {shown(metric)} is unknown; there are {listed(['torque_share', *per_motion])}"
+            f"metric {shown(metric)} is unknown; there are {listed([*SHARES, *per_motion])}"
         )
     return found.where(data["status"] == "ok")
 

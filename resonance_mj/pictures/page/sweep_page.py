@@ -14,6 +14,7 @@ import xarray as xr
 from ...errors import OutputError
 from ...experiments import toml
 from ...progress import Progress
+from ...springs.cost import KINDS
 from ...sweeps.dataset import SETTINGS, WHOLE
 from ...text import joined, minus
 from ..figures import sweep_figure
@@ -36,7 +37,10 @@ FIGURES = {
     "rms": "tracking_rms",
     "cycle": "cycles_to_optimum",
 }
-"""Columns of the tables, and the variables that they are."""
+"""Columns of the tables, and the variables that they are where torque² is to be least."""
+
+OF_COST = {"reduction": "cost_reduction", "optimum": "cost_reduction_optimal", "left": "cost"}
+"""The same where all runs ask for the least of something else."""
 
 
 class Drawing(NamedTuple):
@@ -64,18 +68,24 @@ def page(folder: Path, data: xr.Dataset, title: str | None, progress: Progress) 
         keys = list(settings["keys"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(f"{folder / SETTINGS}: does not say what was swept: {error}") from None
-    if lacking := {"status", "message", "motion", *FIGURES.values(), *keys} - set(data.variables):
+    cost = str(data.attrs.get("cost", "torque-squared"))
+    shown = FIGURES | (OF_COST if cost in KINDS and cost != "torque-squared" else {})
+    least = KINDS.get(cost, KINDS["torque-squared"])
+    if lacking := {"status", "message", "motion", *shown.values(), *keys} - set(data.variables):
         raise OutputError(f"{folder / WHOLE}: lacks {joined(sorted(lacking))}")
-    rows = _rows(data, keys)
+    rows = _rows(data, keys, shown)
     motions = data["motion"].values.tolist()
     good = {
         m: [row for row in rows if row["motion"] == m and row["status"] == "ok"] for m in motions
     }
     runs = data["status"].values.ravel().tolist()
     drawn = []
-    known = {name: one for name, one in METRICS.items() if sweep_figure.known(data, name)}
+    share = shown["reduction"].replace("reduction", "share")
+    metrics = {name.replace("torque_share", share): one for name, one in METRICS.items()}
+    known = {name: one for name, one in metrics.items() if sweep_figure.known(data, name)}
     for done, (name, (head, caption)) in enumerate(known.items(), 1):
         figure = sweep_figure.figure(data, name, WIDTH)
+        caption = caption.replace("torque²", least.name)
         drawn.append((Drawing(name, head, caption), element(figure, f"sweep-{name}", head)))
         progress(done, len(known))
     of = f"sweep of {settings['experiment']}"
@@ -84,6 +94,7 @@ def page(folder: Path, data: xr.Dataset, title: str | None, progress: Progress) 
         title=title or of,
         lead=_lead(runs, keys),
         swept=keys,
+        least=least,
         best={m: sorted(some, key=_left)[:BEST] for m, some in good.items() if some},
         figures=drawn,
         ended=_ended(rows, keys),
@@ -94,7 +105,7 @@ def page(folder: Path, data: xr.Dataset, title: str | None, progress: Progress) 
     )
 
 
-def _rows(data: xr.Dataset, keys: list[str]) -> list[dict[str, Any]]:
+def _rows(data: xr.Dataset, keys: list[str], shown: dict[str, str]) -> list[dict[str, Any]]:
     """Each motion of each run: the values of its keys, and its figures; one if it has no motion."""
     grid = "run" not in data.dims
     axes = [data[key].values.tolist() for key in keys]
@@ -105,7 +116,7 @@ def _rows(data: xr.Dataset, keys: list[str]) -> list[dict[str, Any]]:
     )
     each = {
         short: data[name].transpose(*order, "motion").values.reshape(len(points), -1)
-        for short, name in FIGURES.items()
+        for short, name in shown.items()
     }
     found = []
     for at, point in enumerate(points):
