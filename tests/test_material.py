@@ -9,6 +9,7 @@ import resonance_mj as rmj
 from resonance_mj.errors import ResonanceError
 from resonance_mj.experiments.law_section import KINDS
 from resonance_mj.pictures.figures import springs as springs_figure
+from resonance_mj.plan.plan import plan_for
 from resonance_mj.results.cycles import kept
 from resonance_mj.springs.bounds import UNBOUNDED, JointBounds
 from resonance_mj.springs.fit import fit
@@ -267,3 +268,46 @@ def test_the_spring_that_is_drawn_as_the_best_is_the_best_such_spring():
         _motor, own, needed, best = curves
         size = np.abs(needed[:, 1]).max()
         assert np.abs(own[: len(best), 1] - best[:, 1]).max() < 0.05 * size
+
+
+def test_a_controller_of_a_real_arm_finds_springs_that_nobody_has_described():
+    """MuJoCo's arm, stepped here, with cubic springs; the controller is told of none of it."""
+    asked = arm("seven-joint", {}, 30, **{"law.doubts": True})
+    controller, c = rmj.Controller(asked), 2.0
+    robot = plan_for(asked).robot
+    model, data, J = robot.model, mujoco.MjData(robot.model), np.zeros((3, robot.model.nv))
+    data.userdata[:] = 0.0
+    model.jnt_stiffness[:] = 0.0
+    data.qpos[robot.qpos_address] = robot.home
+    spent = []
+    for _ in range(controller.cycles):
+        k, offset, center = controller.springs
+        rest = center + np.divide(offset, k, out=np.zeros_like(k), where=k != 0)
+        tau, exerted, q = (np.empty((controller.steps, robot.n)) for _ in range(3))
+        for i in range(controller.steps):
+            mujoco.mj_step1(model, data)
+            mujoco.mj_jacSite(model, data, J, None, robot.site)
+            q[i] = data.qpos[robot.qpos_address]
+            x = q[i] - rest
+            exerted[i] = -k * (x + c * x**3)
+            tau[i] = controller.step(
+                q[i],
+                data.qvel[robot.dof_address],
+                data.site_xpos[robot.site][robot.coordinate],
+                J[np.ix_(robot.coordinate, robot.dof_address)],
+            )
+            data.ctrl[robot.actuator_id] = tau[i]
+            data.qfrc_applied[robot.dof_address] = exerted[i]
+            mujoco.mj_step2(model, data)
+        spent.append((tau**2).sum(axis=1).mean())
+        controller.end_cycle()
+    total, best = tau + exerted, 0.0
+    for j in range(robot.n):
+        places = np.linspace(q[:, j].mean() - np.pi, q[:, j].mean() + np.pi, 2001)[:, None]
+        unit = (q[:, j] - places) + c * (q[:, j] - places) ** 3
+        stiff = np.maximum(-(unit @ total[:, j]) / (unit**2).sum(axis=1), 0.0)
+        best += ((total[:, j] + stiff[:, None] * unit) ** 2).mean(axis=1).min()
+    assert spent[-1] <= 1.05 * best
+    run = controller.run()
+    assert run.motions[0].tracking_rms[-1] < 1e-4
+    assert any("springs are not linear" in note for note in run.notes)

@@ -61,6 +61,7 @@ def _reasons(
     by_hand = law.k_v is not None or law.k_p is not None
     if law.kind != "transfer":
         yield "law.listens", f"{kind} does not listen"
+        yield "law.doubts", f"{kind} does not set springs between cycles"
         for name in ("stiffness_rate", "stiffness_lag"):
             yield f"reality.{name}", f"{kind} does not set springs between cycles"
     if not experiment.reality.encoder_noise:

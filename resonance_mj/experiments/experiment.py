@@ -96,13 +96,18 @@ class Experiment(Section):
     @model_validator(mode="after")
     def _springs_of_a_material(self) -> Experiment:
         springs = self.springs
-        if self.reality.hookean and self.reality.stiffness_resolution is None:
+        if not self.reality.hookean:
+            what = "reality.spring_*"
+        elif self.reality.stiffness_resolution is not None:
+            what = "reality.stiffness_resolution"
+        elif self.law.doubts:
+            what = "law.doubts"
+        else:
             return self
-        what = "spring_*" if self.reality.stiffness_resolution is None else "stiffness_resolution"
         for key, plain_ in (("cost", "torque-squared"), ("element", ()), ("weights", None)):
             if (given := getattr(springs, key)) != plain_:
                 raise ValueError(
-                    f"springs.{key} = {shown(given)} and reality.{what} together: springs that are "
+                    f"springs.{key} = {shown(given)} and {what} together: springs that are "
                     "not linear, or set in steps, are for the joints' own springs and torque², "
                     "leave one out"
                 )

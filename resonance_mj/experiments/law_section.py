@@ -84,6 +84,9 @@ class Law(Section):
     listens: bool | None = None
     """Whether the transfer law looks for noise and delay in its loop and for the weight of its arm,
     and tunes itself to them; where it is given no gain by hand, if not given."""
+    doubts: bool | None = None
+    """Whether the transfer law doubts that springs are linear, and finds what they exert from its
+    own cycles; where a key of reality.spring_* is set, if not given."""
 
     @field_validator("kind")
     @classmethod

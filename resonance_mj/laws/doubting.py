@@ -19,7 +19,7 @@ from ..springs.spring import equilibrium_angles
 from ..text import listed
 
 if TYPE_CHECKING:
-    from ..springs.bounds import Bounds, JointBounds
+    from ..springs.bounds import Bounds
     from .learning import Cycle
 
 FIRST = 0.05
@@ -76,11 +76,8 @@ class Belief(NamedTuple):
     """P = k (x, x³) (N, n, 2) and v (N, n), when torque had settled the last time."""
 
     @classmethod
-    def of(cls, bounds: JointBounds, listens: bool) -> Belief | None:
-        """That springs are linear, not yet tried; None of a law that does not doubt it."""
-        if bounds.material is None or not listens:
-            return None
-        n = len(bounds.stiffness[0])
+    def begins(cls, n: int) -> Belief:
+        """That springs of n joints are linear, not yet tried."""
         a = np.tile([1.0, 0.0], (n, 1))
         squares = np.tile(PRIOR * np.eye(2), (n, 1, 1))
         return cls(a, squares, PRIOR * a, np.full(n, FIRST))

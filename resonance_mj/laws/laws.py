@@ -94,6 +94,13 @@ def listens(law: law_section.Law) -> bool:
     return law.kind in LAWS and LAWS[law.kind].listens and asked
 
 
+def doubts(experiment: Experiment) -> bool:
+    """Whether the law of an experiment doubts that springs are what they are set to be."""
+    law, asked = experiment.law, experiment.law.doubts
+    may = law.kind in LAWS and LAWS[law.kind].listens
+    return may and (not experiment.reality.hookean if asked is None else asked)
+
+
 def at_limit(cycle: Cycle, gains: Gains) -> float:
     """Share of a cycle, of all motors, in which they are at their limits."""
     low, high = gains.torque_limit.T

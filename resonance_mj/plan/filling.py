@@ -11,7 +11,7 @@ from ..experiments.effects import without_effect
 from ..experiments.experiment import Experiment
 from ..experiments.motion_section import Motion
 from ..laws.gains import Gains, adaptation
-from ..laws.laws import Law, listens
+from ..laws.laws import Law, doubts, listens
 from ..robots.robot import Robot
 from ..springs.optimum import Optimum
 from ..text import Note, joined, shown
@@ -60,6 +60,7 @@ def found(experiment: Experiment, robot: Robot, chosen: Gains) -> dict[str, obje
         "law.lead": chosen.lead,
         "law.harmonics": chosen.harmonics,
         "law.listens": listens(law),
+        "law.doubts": doubts(experiment),
     }
     given = experiment.model_dump()
     values = {

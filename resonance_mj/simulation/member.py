@@ -8,7 +8,7 @@ from ..errors import ExperimentError
 from ..laws import learning, listening
 from ..laws.adjusting import write_springs
 from ..laws.doubting import Belief
-from ..laws.laws import at_limit, listens, transfer_in_doubt
+from ..laws.laws import at_limit, doubts, listens, transfer_in_doubt
 from ..laws.memory import Memory
 from ..laws.tuning import Tuning
 from ..plan.plan import Plan
@@ -62,7 +62,8 @@ class Member:
         stepper.start(index, plan.robot.qpos)
         load_law(memory, index, plan)
         self._others = first_springs(plan).others
-        self._tuning = Tuning(springs=Belief.of(plan.gains.bounds, plan.law.listens))
+        belief = Belief.begins(plan.robot.n) if doubts(plan.experiment) else None
+        self._tuning = Tuning(springs=belief)
         self._listens = listens(plan.experiment.law)
         if start is not None:
             self._go_on_from(start)
