@@ -124,6 +124,21 @@ def test_springs_that_lag_go_the_same_share_of_what_is_left_in_each_step(lag, na
     assert run.motions[0].tracking_rms[6:].max() < 1e-3
 
 
+@pytest.mark.parametrize(
+    "reality",
+    [
+        {"stiffness_lag": 1.0, "spring_stiffening": 2.0},
+        pytest.param({"stiffness_rate": 1.0, "spring_hysteresis": 0.1}, marks=pytest.mark.slow),
+    ],
+)
+def test_springs_that_take_time_and_are_not_linear_come_to_the_best_of_their_kind(reality):
+    run = rmj.simulate(arm(reality, 60))
+    assert run.status == "ok"
+    for motion in run.motions:
+        assert motion.torque_squared[-1] <= 1.03 * motion.torque_squared_optimal
+        assert motion.tracking_rms[-1] < 1e-4
+
+
 def test_they_step_together_interpreted_and_by_differences_with_the_same_bits():
     reality = {"tool_offset": [0.001, 0.0, 0.002], "link_error": [0.01, -0.01]}
     asked = arm(reality | {"stiffness_lag": 0.3}, 3, **{"law.velocity": "difference"})

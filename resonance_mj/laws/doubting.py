@@ -128,25 +128,27 @@ def handed_over(
         cycle: that was made.
         bounds: what springs may be.
     """
-    springs = cycle.springs
-    total = v + belief.torque(springs, q)
+    springs, acting = cycle.springs, cycle.acting or cycle.springs
+    total = v + belief.torque(acting, q)
     size = np.sqrt((total**2).mean(axis=0))
     size = np.maximum(size, SMALL * size.max())
     before, waited = belief.before, belief.waited + 1
     belief = belief._replace(before=total, waited=waited)
+    # Springs on their way end the cycle elsewhere than they were in it.
+    left = v if cycle.acting is None else total - belief.torque(springs, q)
     if before is None or before.shape != total.shape or cycle.passing or not size.all():
-        return v, springs, belief
+        return left, springs, belief
     moved = np.sqrt(((total - before) ** 2).mean(axis=0)) / size
     settled = moved <= SETTLED * np.minimum(belief.near, MOST)
     if not settled.all():
         if waited < PATIENCE:
-            return v, springs, belief
+            return left, springs, belief
         # It is noise that does not settle: changes shall stand out of it.
         above = np.minimum(np.maximum(belief.near, moved / SETTLED), MOST)
         belief = belief._replace(near=np.where(settled, belief.near, above))
-    belief = _seen(belief, _features(springs, q), v, size)
-    now = belief.torque(springs, q)
-    total = v + now
+    belief = _seen(belief, _features(acting, q), v, size)
+    now, total = belief.torque(springs, q), v + belief.torque(acting, q)
+    left = v if cycle.acting is None else total - now
     mean, few = q.mean(axis=0), slice(None, None, max(1, len(q) // SAMPLES))
     low, high = (mean + end for end in reach(bounds, mean))
     least, most = (np.broadcast_to(np.asarray(end, float), mean.shape) for end in bounds.stiffness)
@@ -159,10 +161,10 @@ def handed_over(
     wanted = LinearSprings(k, k * (q_e - mean), mean, springs.others)
     with np.errstate(invalid="ignore"):
         then = belief.torque(wanted, q)
-        saved = (v**2).mean(axis=0) - ((total - then) ** 2).mean(axis=0)
+        saved = (left**2).mean(axis=0) - ((total - then) ** 2).mean(axis=0)
         changes = saved > (WORTH + moved**2) * size**2
     if not changes.any():
-        return v, springs, belief
+        return left, springs, belief
     own = springs.about(mean)
     wanted = LinearSprings(
         np.where(changes, k, own.stiffness),
