@@ -32,6 +32,10 @@ HARMONICS = 20
 """Harmonics of 1/T that the learned torque keeps, where the cycle has as many."""
 
 
+LIGHT = 7.0
+"""Strength of the feedback, of what ω says, in the pose along the motions where it is greatest,
+from which on they decide M̂ and not their middles."""
+
 STIFFNESS_RATE, OFFSET_RATE = 200.0, 500.0
 """Γ_k and Γ_qe per inertia [1/(rad² s²), 1/s²], where none are given: the paper's on its arm."""
 
@@ -76,7 +80,10 @@ class Gains:
 
 
 def gains(
-    experiment: Experiment, kinematics: Kinematics, poses: Sequence[np.ndarray] = ()
+    experiment: Experiment,
+    kinematics: Kinematics,
+    middles: Sequence[np.ndarray] = (),
+    along: Sequence[np.ndarray] = (),
 ) -> Gains:
     """The gains of an experiment on its robot, with what it leaves open filled in.
 
@@ -87,12 +94,12 @@ def gains(
     Args:
         experiment: gives law, time step and motions.
         kinematics: of the robot.
-        poses: joint angles (n,) in the middle of the motions, where those are not about home, or
-            along them where the loop is late or noisy; else M̂ is M(q_home).
+        middles: joint angles (n,) in the middle of the motions, where those are not about home.
+        along: joint angles (n,) along the motions. Without either M̂ is M(q_home).
     """
     law, robot = experiment.law, kinematics.robot
     n, m = robot.n, robot.m
-    M = _mean_inertia(experiment, kinematics, poses) if poses else robot.inertia
+    M = _mean_inertia(experiment, kinematics, middles or [robot.home], along)
     dt = experiment.simulation.timestep
     by_hand = not robot.joint_space and (law.k_v is not None or law.k_p is not None)
     # A sampled first-order loop of bandwidth ω is well damped while ω dt stays far below 2.
@@ -145,17 +152,25 @@ def gains(
 
 
 def _mean_inertia(
-    experiment: Experiment, kinematics: Kinematics, poses: Sequence[np.ndarray]
+    experiment: Experiment,
+    kinematics: Kinematics,
+    middles: Sequence[np.ndarray],
+    along: Sequence[np.ndarray],
 ) -> np.ndarray:
-    """M̂ of some poses (n, n) [kg m^2]: the mean of M, or of a late loop the inverse of that of M⁻¹.
+    """M̂ (n, n) [kg m^2]: the mean of M in the middles, or the inverse of that of M⁻¹ along motions.
 
     By the latter the feedback is as strong on average as ω says, and nowhere many times stronger: a
-    pose where some way to move is light has an M⁻¹ that counts. A loop that is late bears no more.
+    pose where some way to move is light has an M⁻¹ that counts. It is taken where by the former the
+    feedback would be `LIGHT` times as strong as ω says, and where the loop is late or noisy.
     """
-    M = np.array([kinematics.inertia(q) for q in poses])
-    late = experiment.reality.sensed
-    mean: np.ndarray = np.linalg.inv(np.linalg.inv(M).mean(axis=0)) if late else M.mean(axis=0)
-    return mean
+    M = np.array([kinematics.inertia(q) for q in middles]).mean(axis=0)
+    if not len(along):
+        return np.asarray(M)
+    inverse = np.array([np.linalg.inv(kinematics.inertia(q)) for q in along])
+    strong = np.abs(np.linalg.eigvals(inverse @ M)).max(initial=0.0)
+    if experiment.reality.sensed or strong > LIGHT:
+        M = np.linalg.inv(inverse.mean(axis=0))
+    return np.asarray(M)
 
 
 def adaptation(robot: Robot) -> dict[str, np.ndarray]:

@@ -58,6 +58,10 @@ FITS = 0.3
 CALMER = 0.5
 """Of the pace of learning, what is tried next where they do not."""
 
+FASTER, SOONER = (2.0, 4.0, 8.0), 0.9
+"""By how much learning that was calmed goes faster again, and to which share of what is left of the
+error after a cycle, by what was measured of the loop, it shall fall by that."""
+
 SAMPLED = 0.5
 """Most that its bandwidth then is of 1/dt."""
 
@@ -207,6 +211,12 @@ def _delayed(
     stalls = len(last) == STALLS and sum(last[-2:]) > STALLED * sum(last[:2])
     grown = learned > GROWN**2 * tuning.least and not passing
     grows = left @ weights > CONTRACTS**2 * weights.sum() or grown
+    if not grows and tuning.pace < 1.0:
+        factors = np.array([f for f in FASTER if f * tuning.pace <= 1.0])
+        ahead = np.exp(1j * _rates(cycle, gains) * lead * cycle.timestep)
+        then = np.abs(1 - factors[:, None] * measured * ahead) ** 2 @ weights
+        if len(then) and then.min() < SOONER * (left @ weights):
+            return found._replace(pace=float(factors[then.argmin()]) * tuning.pace)
     if not (grows or (stalls and not tuning.filtered and not passing)):
         return found
     delays = np.arange(1, min(STEPS, len(cycle.y) // 8))

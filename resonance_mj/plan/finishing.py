@@ -11,7 +11,8 @@ import numpy as np
 
 from ..errors import MotionError
 from ..experiments.experiment import Experiment
-from ..motions import carrying
+from ..laws.gains import gains
+from ..motions import carrying, poses
 from ..motions.kinematics import JointMotion, Kinematics
 from ..springs.cost import Cost
 from ..text import Note, joined
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 EXPLICIT = 1.0
 """Most that k dt² / m is of a spring k on an inertia m, which integrators take explicitly; alone it
 is unstable from 4 on, and joints about nearly one axis share an inertia."""
+
+POSES = 16
+"""Of each motion, at which is looked how strong the feedback is."""
 
 LATE = 0.04
 """The same of a control period: a joint that its spring has swing faster than 0.2 over the period
@@ -40,12 +44,25 @@ def finished(plan: Plan, notes: list[str]) -> Plan:
     experiment = plan.experiment
     plan = replace(plan, loaded=rubbing(experiment, lambda: plan.joints, plan.loaded))
     with suppress(MotionError):
+        plan = weighed(plan)
+    with suppress(MotionError):
         plan = aiming(plan, notes)
     with suppress(MotionError):  # which is said where the motion is asked for
         plan = softened(plan, notes)
     follows = plan.left is not None
     grown = growing(experiment, plan.robot, lambda: plan.optima, notes, follows=follows)
     return replace(plan, experiment=grown)
+
+
+def weighed(plan: Plan) -> Plan:
+    """The plan with gains that no pose along the motions makes many times too strong."""
+    experiment = plan.experiment
+    if experiment.reality.sensed:  # whose gains are those of poses along them already
+        return plan
+    q = [joints.q[:: max(1, len(joints.q) // POSES)] for joints in plan.joints]
+    middles = poses.middles(experiment, plan.kinematics)
+    along = list(np.concatenate(q))
+    return replace(plan, gains=gains(experiment, plan.kinematics, middles, along))
 
 
 def aiming(plan: Plan, notes: list[str]) -> Plan:

@@ -265,10 +265,8 @@ def plan_for(
     with heard() as warned:
         chosen = gains(experiment, unloaded)
         experiment = default_motion.filled_in(experiment, unloaded, chosen.alpha_0, said)
-        found = poses.along if experiment.reality.sensed else poses.middles
-        at = found(experiment, unloaded)
-        if not all(np.array_equal(q, robot.home) for q in at):
-            chosen = gains(experiment, unloaded, at)
+        along = poses.along(experiment, unloaded) if experiment.reality.sensed else ()
+        chosen = gains(experiment, unloaded, poses.middles(experiment, unloaded), along)
     robot = replace(robot, notes=tuple(said))
     if left is not None:
         experiment = without_passage(experiment, left.motion)
