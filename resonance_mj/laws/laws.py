@@ -101,12 +101,6 @@ def doubts(experiment: Experiment) -> bool:
     return may and (not experiment.reality.hookean if asked is None else asked)
 
 
-def at_limit(cycle: Cycle, gains: Gains) -> float:
-    """Share of a cycle, of all motors, in which they are at their limits."""
-    low, high = gains.torque_limit.T
-    return max(float(((cycle.tau <= low) | (cycle.tau >= high)).mean()), cycle.slow)
-
-
 def nothing(cycle: Cycle, gains: Gains, experiment: Experiment) -> Learned:
     """Torque and springs as in the cycle before."""
     return Learned(cycle.u, cycle.springs)
@@ -155,9 +149,10 @@ def transfer_in_doubt(cycle: Cycle, gains: Gains) -> tuple[np.ndarray, LinearSpr
 def _to_hand_over(cycle: Cycle, gains: Gains) -> tuple[np.ndarray, np.ndarray, JointBounds]:
     """What is learned and the joint angles (N, n) of a cycle, and what the next springs may be."""
     # What was measured was so much before.
-    q = np.roll(cycle.q, -cycle.tuning.delay, axis=0)
+    delay = cycle.tuning.delay
+    q = np.roll(cycle.q, -delay, axis=0) if delay else cycle.q
     bounds = gains.bounds._replace(material=None)  # which no law is told
-    bounds = passive(bounds) if at_limit(cycle, gains) else bounds
+    bounds = passive(bounds) if cycle.limited else bounds
     if np.isfinite(cycle.farthest):
         bounds = near(bounds, cycle.springs.stiffness, cycle.farthest)
     return _learned_torque(cycle, gains), q, bounds
@@ -170,7 +165,7 @@ def _learned_torque(cycle: Cycle, gains: Gains) -> np.ndarray:
     the more of the cycle they are, and rests from `LIMITED` of it on.
     """
     low, high = gains.torque_limit.T
-    held_back = max(0.0, 1.0 - at_limit(cycle, gains) / LIMITED)
+    held_back = max(0.0, 1.0 - cycle.limited / LIMITED)
     pace = cycle.tuning.pace * cycle.tuning.share * held_back
     lead = gains.lead if cycle.tuning.lead is None else cycle.tuning.lead
     v = learning.learned_torque(

@@ -41,8 +41,8 @@ class Cycle(NamedTuple):
     """How far a stiffness can change in the next cycle [N m/rad]."""
     passing: bool = False
     """Whether the motion still grew."""
-    slow: float = 0.0
-    """Share of the cycle, of all motors, in which they were as fast as they are."""
+    limited: float = 0.0
+    """Share of the cycle, of all motors, in which they gave all they can: by limit, rate, speed."""
 
     def spring_torque(self, q: np.ndarray) -> np.ndarray:
         """Torque of the springs in the cycle at joint angles (N, n), as the law takes it [N m]."""

@@ -150,18 +150,21 @@ def _noise(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     ]
 
 
-def slow(plan: Plan, tau: np.ndarray, dq: np.ndarray) -> float:
-    """Share of a cycle, of all motors, in which their rate or speed held them back.
+def limited(plan: Plan, tau: np.ndarray, dq: np.ndarray) -> float:
+    """Share of a cycle, of all motors, in which they gave what they can.
 
     Args:
         plan: of the run.
         tau: motor torque (N, n) [N m].
         dq: joint velocities (N, n) [rad/s].
     """
-    reality = plan.experiment.reality
+    limit, reality = plan.robot.torque_limit, plan.experiment.reality
+    share = 0.0
+    if np.isfinite(limit).any():
+        share = float(((tau <= limit[:, 0]) | (tau >= limit[:, 1])).mean())
     if reality.torque_rate is None and reality.motor_speed is None:
-        return 0.0
-    return float(_held_back(plan, tau, dq).mean())
+        return share
+    return max(share, float(_held_back(plan, tau, dq).mean()))
 
 
 def _held_back(plan: Plan, tau: np.ndarray, dq: np.ndarray) -> np.ndarray:

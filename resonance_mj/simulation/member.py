@@ -8,7 +8,7 @@ from ..errors import ExperimentError
 from ..laws import learning, listening
 from ..laws.adjusting import write_springs
 from ..laws.doubting import Belief
-from ..laws.laws import at_limit, doubts, listens, transfer_in_doubt
+from ..laws.laws import doubts, listens, transfer_in_doubt
 from ..laws.memory import Memory
 from ..laws.tuning import Tuning
 from ..plan.plan import Plan
@@ -21,7 +21,7 @@ from ..status import Status
 from .checkpoint import DAMAGED, STATE, packed, unpacked
 from .continuing import Start
 from .ending import diverging, ending
-from .hindrances import hindrances, slow
+from .hindrances import hindrances, limited
 from .loading import (
     first_springs,
     load_law,
@@ -222,9 +222,8 @@ class Member:
         if not self._passing or plan.experiment.motion[plan.schedule[cycle]].gradual:
             done = self._done(signals, springs)
             if self._listens:
-                limited = at_limit(done, plan.gains) > 0.0
                 self._tuning = listening.tuned(
-                    self._tuning, done, plan.gains, limited=limited, passing=self._passing
+                    self._tuning, done, plan.gains, limited=done.limited > 0, passing=self._passing
                 )
                 load_tuning(memory, index, plan, self._tuning)
                 done = done._replace(tuning=self._tuning)
@@ -266,7 +265,7 @@ class Member:
             acting=acting if on_its_way else None,
             farthest=(reality.stiffness_rate or np.inf) * steps * dt if on_its_way else np.inf,
             passing=self._passing,
-            slow=slow(plan, signals["tau"], signals["dq"]),
+            limited=limited(plan, signals["tau"], signals["dq"]),
         )
 
     def _seen(self, q: np.ndarray) -> np.ndarray:
