@@ -20,7 +20,8 @@ def robustness(found: RobustnessMap) -> Table:
     drawn = table(
         f"{found.experiment.name}: reduction of {found.cost}, of what is possible [%]",
         f"n ×: {found.cost} is so many times that without springs; off: the tool is off its path; "
-        "×: diverged; ↑: diverging. Each law has its default gains; the worst of the motions.",
+        "×: diverged; ↑: diverging; ~: motors act on noise. Each law has its default gains; the "
+        "worst of the motions.",
         tight=True,
     )
     for title in found.titles.values():

@@ -82,6 +82,7 @@ IMPERFECTIONS = (
     Imperfection("friction", "%", (1.0, 10.0, 30.0)),
     Imperfection("spring_stiffening", "1/rad²", (0.2, 0.5, 2.0)),
     Imperfection("spring_hysteresis", "%", (5.0, 10.0, 20.0)),
+    Imperfection("link_error", "%", (0.2, 1.0, 5.0)),
     Imperfection("motors", "%", (150.0, 125.0, 105.0)),
     Imperfection("payload", "%", (10.0, 20.0, 40.0)),
     Imperfection("preset", "", ("encoder", "lab", "cheap")),
