@@ -462,7 +462,8 @@ def test_without_names_the_files_here_and_in_runs_are_meant_or_else_the_built_in
             'status = "good"',
             [
                 "expect.status = 'good'",
-                "'ok', 'not tracking', 'diverging', 'in contact', 'interrupted' or 'diverged'",
+                "'ok', 'not tracking', 'diverging', 'in contact', 'noisy', "
+                "'interrupted' or 'diverged'",
             ],
         ),
         ("versions = { mujoco = 4 }", ["expect.versions", "4"]),
