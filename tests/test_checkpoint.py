@@ -151,6 +151,7 @@ def command(folder):
     )
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_with_the_same_command_and_leaves_nothing_behind(tmp_path):
     folder = tmp_path / "run"
     file = folder / "run.nc"
