@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
   clean
 
 paper: $(VENV)/installed   ## simulate the paper's experiment into runs/paper/
-	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, eight seconds"
+	@echo "Simulating 80 s of the paper's arm; the first run on a machine compiles the law, ten seconds"
 	$(BIN)/resonance-mj run paper
 
 test: $(VENV)/installed-dev   ## run the tests
