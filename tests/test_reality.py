@@ -13,6 +13,7 @@ import resonance_mj as rmj
 from resonance_mj.errors import ResonanceError
 from resonance_mj.experiments.loading import for_robot
 from resonance_mj.experiments.reality_section import PRESETS
+from resonance_mj.laws import listening
 from resonance_mj.motions.motion import sample
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.results.cycles import kept
@@ -420,3 +421,16 @@ def test_it_is_said_where_a_late_loop_asks_for_softer_springs_than_the_best():
     unlimited = plan_for(arm({}))
     best, found = (max(o.stiffness[0] for o in one.optima) for one in (unlimited, plan))
     assert found < best
+
+
+@pytest.mark.parametrize("name", ["two-link-transfer", "seven-joint"])
+def test_learning_that_was_calmed_without_need_goes_faster_again(name, monkeypatch):
+    """A tenth of its pace would take it more than these 40 cycles to the optimum."""
+    begun = listening.begun
+    monkeypatch.setattr(listening, "begun", lambda *given: begun(*given)._replace(pace=0.1))
+    changes = {f"motion.{i}.duration": 40.0 for i in range(len(rmj.load(name).motion))}
+    run = rmj.simulate(rmj.load(name).replace({"law": {}, "expect": {}} | changes))
+    for motion in run.motions:
+        assert motion.cycles_to_optimum <= 30
+        assert motion.torque_squared[-1] == pytest.approx(motion.torque_squared_optimal, rel=0.01)
+    assert not any("10\u202f% of its pace" in note for note in run.notes)

@@ -212,10 +212,10 @@ def _delayed(
     grown = learned > GROWN**2 * tuning.least and not passing
     grows = left @ weights > CONTRACTS**2 * weights.sum() or grown
     if not grows and tuning.pace < 1.0:
-        factors = np.array([f for f in FASTER if f * tuning.pace <= 1.0])
+        factors = np.minimum(FASTER, 1.0 / tuning.pace)
         ahead = np.exp(1j * _rates(cycle, gains) * lead * cycle.timestep)
         then = np.abs(1 - factors[:, None] * measured * ahead) ** 2 @ weights
-        if len(then) and then.min() < SOONER * (left @ weights):
+        if then.min() < SOONER * (left @ weights):
             return found._replace(pace=float(factors[then.argmin()]) * tuning.pace)
     if not (grows or (stalls and not tuning.filtered and not passing)):
         return found
