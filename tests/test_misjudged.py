@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
+from test_drives import arm
 
 import resonance_mj as rmj
 from resonance_mj import library
@@ -12,14 +13,6 @@ from resonance_mj.laws.misjudging import misjudge
 from resonance_mj.motions.kinematics import Kinematics
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.simulation.loading import load_law
-
-
-def arm(reality, cycles=25, name="two-link-transfer", **changes):
-    experiment = rmj.load(name)
-    changes = {"law": {}, "springs": {}, "expect": {}, "reality": reality} | changes
-    for index, motion in enumerate(experiment.motion):
-        changes[f"motion.{index}.duration"] = cycles * motion.period
-    return experiment.replace(changes)
 
 
 def errors(n):

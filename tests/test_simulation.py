@@ -484,6 +484,24 @@ def test_a_thinned_run_that_diverges_keeps_the_cycles_that_led_to_it():
         np.testing.assert_array_equal(thin[name].values, same[name].values, err_msg=name)
 
 
+def test_a_thinned_run_that_is_stopped_keeps_its_last_cycles_as_they_were():
+    """Springs whose center moves, and the first cycle of another motion."""
+    asked = rmj.load("two-link-transfer").replace(
+        {"law": {}, "motion.0.duration": 12.0, "motion.1.duration": 12.0}
+    )
+    for cycles in (8, 13, 20):
+        stops = iter([*[False] * (cycles - 1), True])
+        whole = rmj.simulate(asked, stop=lambda stops=stops: next(stops)).data
+        stops = iter([*[False] * (cycles - 1), True])
+        thin = asked.replace({"simulation.samples": 1})
+        thin = rmj.simulate(thin, stop=lambda stops=stops: next(stops)).data
+        kept = np.unique(thin["cycle_of_sample"].values)
+        assert {cycles - 1, cycles} <= set(kept.tolist())
+        same = whole.isel(time=np.isin(whole["cycle_of_sample"].values, kept))
+        for name in ("x_desired", "center", "q", "equilibrium", "time"):
+            np.testing.assert_array_equal(thin[name].values, same[name].values, err_msg=name)
+
+
 def test_saved_run_is_loaded_as_it_was(tmp_path):
     run = rmj.simulate(
         rmj.load("paper").replace({"motion.0.duration": 2.0, "motion.1.duration": 2.0})

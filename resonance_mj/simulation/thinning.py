@@ -44,7 +44,8 @@ class Samples:
         """Keep the samples of a cycle, from 0, or hold them as long as it is one of the last."""
         if whole and cycle not in self._kept:
             last = {one: each for one, each in self._recent.items() if one > cycle - LAST}
-            self._recent = last | {cycle: signals}
+            # A copy: the motion and the springs' centers are views of what the next cycle changes.
+            self._recent = last | {cycle: {name: each.copy() for name, each in signals.items()}}
             return
         end = self._filled + len(signals["time"])
         for name, array in self._arrays.items():
