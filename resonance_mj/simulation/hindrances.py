@@ -141,8 +141,8 @@ def _noise(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     return [
         Hindrance(
             f"{percent(noise / power, 0)} of the motors' torque² is faster than the motion's "
-            f"harmonics: they act on noise, {noise / without:.3g} times torque² without "
-            "springs",
+            f"harmonics: they act on noise, or the loop rings; it is {noise / without:.3g} times "
+            "torque² without springs",
             " or ".join(cures),
             bears=False,
             is_noise=True,
