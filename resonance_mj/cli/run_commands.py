@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import resonance_mj as rmj
 
-from ..errors import ExperimentError, PictureError
+from ..errors import ExperimentError, OutputError, PictureError
 from ..files import writable
 from ..pictures.figures.catalogue import DPI, FIGURES, FORMATS
 from ..progress import bar
@@ -137,18 +137,26 @@ def certify(options: Namespace) -> None:
 @command(
     argument("run", "a run's folder, such as runs/paper", metavar="RUN", type=Path),
     argument("--catalogue", "CSV of springs that can be bought", metavar="FILE", type=Path),
+    argument(
+        "--together",
+        "one set of parts for all motions: the least in the mean, or of the worst",
+        choices=("mean", "worst"),
+    ),
     figures=True,
 )
 def springs(options: Namespace) -> None:
     """Say what springs a saved run asks for, which of a catalogue serve, and what they save."""
-    from ..evaluation.spring_catalogue import choices, read
+    from ..evaluation.spring_catalogue import read
     from ..evaluation.spring_parts import spring_parts
+    from ..evaluation.spring_selection import selections
     from . import spring_tables
 
     run, screen = rmj.Run.load(options.run), Screen(options)
-    catalogue = read(options.catalogue) if options.catalogue else None
+    if options.together and not options.catalogue:
+        raise OutputError("--together chooses from a catalogue: give --catalogue FILE")
+    catalogue = read(options.catalogue) if options.catalogue else ()
     found = spring_parts(run)
-    chosen = choices(found, catalogue) if catalogue else ()
+    chosen = selections(found, catalogue, options.together) if catalogue else ()
     data = spring_tables.data(found, chosen)
     screen.table(data, *spring_tables.parts(found), *spring_tables.chosen(found, chosen))
 

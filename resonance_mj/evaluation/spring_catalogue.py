@@ -1,4 +1,4 @@
-"""Springs that can be bought: which of a catalogue leaves the motors least, joint by joint."""
+"""A catalogue of springs that can be bought, as a CSV file."""
 
 from __future__ import annotations
 
@@ -8,21 +8,18 @@ from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from ..errors import OutputError
 from ..files import read_text
-from ..springs.bounds import JointBounds
-from ..springs.fit import fit
 from ..text import listed, shown
-from .spring_parts import SpringParts
 
 COLUMNS = ("part", "rate", "torque", "travel")
-"""Columns that a catalogue has; price may stand beside them."""
+"""Columns that a catalogue has; those of `OPTIONAL` may stand beside them."""
+
+OPTIONAL = ("price", "least_preload", "most_preload", "fits")
 
 
 class Bought(NamedTuple):
-    """A spring that can be bought, mounted at any rest angle."""
+    """A spring that can be bought. Units are those of a joint, or of an element's length."""
 
     part: str
     rate: float
@@ -31,25 +28,22 @@ class Bought(NamedTuple):
     """Largest torque that it bears [N m]."""
     travel: float
     """Furthest that it may be turned from rest [rad]."""
-    price: float
-    """0 if the catalogue has none."""
+    price: float = 0.0
+    preload: tuple[float, float] = (-math.inf, math.inf)
+    """Least and greatest torque that it can be mounted to exert at home [N m]."""
+    fits: tuple[str, ...] = ()
+    """Names of the joints and elements that it fits; all if empty."""
 
+    def rests(self, low: float, high: float, home: float) -> tuple[float, float] | None:
+        """Between which angles it may rest on a joint that moves from low to high [rad].
 
-class Choice(NamedTuple):
-    """The best part for a joint in a motion."""
-
-    motion: int
-    joint: str
-    part: Bought | None
-    """None where none bears the motion, or none leaves less than no spring."""
-    rest: float
-    """Rest angle at which it is mounted [rad]."""
-    left: float
-    """Mean square of the motor's torque with it [N² m²]."""
-    without: float
-    """The same without a spring [N² m²]."""
-    best: float
-    """The same with the best spring within its bounds [N² m²]."""
+        Returns:
+            None where it would be loaded or turned further than it bears, wherever it rests.
+        """
+        away = min(self.travel, self.torque / self.rate)
+        first, last = (home + torque / self.rate for torque in self.preload)
+        least, most = max(high - away, first), min(low + away, last)
+        return (least, most) if least <= most else None
 
 
 def read(path: Path) -> tuple[Bought, ...]:
@@ -66,63 +60,35 @@ def read(path: Path) -> tuple[Bought, ...]:
         raise OutputError(
             f"{path}: has no column {listed(missing)}; its columns are {listed(header, 'none')}"
         )
-    found = []
-    for line, row in enumerate(rows, start=2):
-        numbers = {
-            name: _number(row.get(name), f"{path}: line {line}: {name}")
-            for name in (*COLUMNS[1:], *(("price",) if "price" in header else ()))
-        }
-        found.append(Bought(str(row["part"]).strip(), **{"price": 0.0} | numbers))
+    found = [_part(row, header, f"{path}: line {line}") for line, row in enumerate(rows, start=2)]
     if not found:
         raise OutputError(f"{path}: has no parts, only a header")
     return tuple(found)
 
 
-def choices(found: SpringParts, catalogue: tuple[Bought, ...]) -> tuple[Choice, ...]:
-    """The part of a catalogue for each joint and motion that leaves the motor least.
-
-    Each part is tried on each joint at the rest angle that is best for it: torque² is a sum over
-    joints, so that this is the best of all combinations. Of parts that are equally good the
-    cheapest is taken. Elements over several joints stay as the run's optimum has them.
-    """
-    return tuple(
-        _choice(motion.motion, joint, motion.q[:, j], motion.needed[:, j], catalogue, float(left))
-        for motion in found.motions
-        for j, (joint, left) in enumerate(zip(found.joints, motion.rms[1] ** 2, strict=True))
-    )
-
-
-def _choice(
-    motion: int,
-    joint: str,
-    q: np.ndarray,
-    needed: np.ndarray,
-    catalogue: tuple[Bought, ...],
-    best: float,
-) -> Choice:
-    without = float((needed**2).mean())
-    found = Choice(motion, joint, None, math.nan, without, without, best)
-    for part in catalogue:
-        rate = np.array([part.rate])
-        free = np.array([-np.inf]), np.array([np.inf])
-        bounds = JointBounds((rate, rate), free, np.array([False]))
-        spring = fit(q[:, None], needed[:, None], bounds, np.zeros(1))
-        exerted = spring.torque(q[:, None])[:, 0]
-        rest = float(spring.offset[0] / part.rate)
-        if np.abs(exerted).max() > part.torque or np.abs(q - rest).max() > part.travel:
-            continue
-        left = float(((needed - exerted) ** 2).mean())
-        price = found.part.price if found.part else 0.0
-        if (left, part.price) < (found.left, price):
-            found = found._replace(part=part, rest=rest, left=left)
-    return found
+def _part(row: dict[str, str], header: list[str], where: str) -> Bought:
+    rate, torque, travel = (_number(row[name], f"{where}: {name}") for name in COLUMNS[1:])
+    price = _number(row["price"], f"{where}: price", least=0.0) if "price" in header else 0.0
+    ends = []
+    for name, none in (("least_preload", -math.inf), ("most_preload", math.inf)):
+        given = (row.get(name) or "").strip()
+        ends.append(_number(given, f"{where}: {name}", least=-math.inf) if given else none)
+    if ends[0] > ends[1]:
+        raise OutputError(
+            f"{where}: least_preload = {ends[0]:g} is above most_preload = {ends[1]:g}"
+        )
+    fits = tuple((row.get("fits") or "").split())
+    name = str(row["part"]).strip()
+    return Bought(name, rate, torque, travel, price, (ends[0], ends[1]), fits)
 
 
-def _number(cell: object, where: str) -> float:
+def _number(cell: object, where: str, least: float | None = None) -> float:
+    """A finite number of at least so much, or above 0."""
     try:
         value = float(str(cell))
     except ValueError:
         value = math.nan
-    if not (math.isfinite(value) and value >= 0 and (value > 0 or where.endswith("price"))):
-        raise OutputError(f"{where} = {shown(cell)}: a number above 0 is needed")
+    if not math.isfinite(value) or (value <= 0 if least is None else value < least):
+        what = {None: "a number above 0", 0.0: "a number of 0 or more"}.get(least, "a number")
+        raise OutputError(f"{where} = {shown(cell)}: {what} is needed")
     return value

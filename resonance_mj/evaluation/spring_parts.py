@@ -10,13 +10,26 @@ import numpy as np
 from ..errors import OutputError
 from ..results.cycles import Cycle, kept
 from ..results.run import Run
+from ..springs.bounds import adjusted
 from ..springs.cost import Kind, mean_cost
 from ..springs.elements import Element, Elements
 from ..springs.fit import LinearSprings, fit
 from ..springs.optimum import Optimum, best_springs
+from ..springs.spring import equilibrium_angles
 
 RISES = (0.01, 0.05)
 """Of the cost without springs, how much more a stiffness may leave."""
+
+
+class PairUse(NamedTuple):
+    """What the actuators of an antagonistic pair of tendons do."""
+
+    ends: tuple[float, float]
+    """Rest lengths of the tendons, measured along the pair's length [m]."""
+    tension: tuple[float, float]
+    """Least and greatest of both along the motion [N]."""
+    holding: float
+    """Mean power that they take to hold the tensions [W]."""
 
 
 class Part(NamedTuple):
@@ -38,6 +51,8 @@ class Part(NamedTuple):
     """Least and greatest angle or length from where it rests [rad]."""
     energy: float
     """Most that it stores [J]; inf for one without stiffness that pushes."""
+    pair: PairUse | None = None
+    """Of an antagonistic pair, what its two actuators do."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +66,9 @@ class PartsOfMotion:
         peak: the same of its largest torque (2, n) [N m].
         power: mean of |τ q̇| over time, summed over joints, without and with them (2,) [W].
         q: the joint motion made (N, n) [rad].
-        needed: torque along it that the joints' own springs and motors exert (N, n) [N m].
+        total: torque along it of motors and springs together (N, n) [N m].
+        springs: the best ones.
+        joints: their names (n).
     """
 
     motion: int
@@ -60,7 +77,9 @@ class PartsOfMotion:
     peak: np.ndarray
     power: np.ndarray
     q: np.ndarray
-    needed: np.ndarray
+    total: np.ndarray
+    springs: LinearSprings
+    joints: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -70,19 +89,30 @@ class SpringParts:
     Attributes:
         name: of the run.
         joints: names of its joints (n).
+        home: joint angles (n,) [rad].
+        adjusted: whether each joint has a spring of its own that is adjusted (n,).
+        elements: besides the joints' own springs.
         motions: one by one.
         cost: what the springs leave the least of.
         worth: that over all motions without springs, with the best springs that are the
             same in all of them, and with the best for each (3,).
         common: the springs that are the same in all motions.
+        changing: energy that it takes to change all springs from those of each motion to those of
+            the next, and of the last to those of the first, at the angles where the next begins
+            (motions,) [J]. What a spring gives on the way is not taken back. NaN where a spring
+            without stiffness pushes.
     """
 
     name: str
     joints: tuple[str, ...]
+    home: np.ndarray
+    adjusted: np.ndarray
+    elements: tuple[Element, ...]
     motions: tuple[PartsOfMotion, ...]
     cost: Kind
     worth: np.ndarray
     common: LinearSprings
+    changing: np.ndarray
 
 
 def spring_parts(run: Run) -> SpringParts:
@@ -122,10 +152,21 @@ def spring_parts(run: Run) -> SpringParts:
     return SpringParts(
         name=run.experiment.name,
         joints=plan.robot.joints,
+        home=plan.robot.home,
+        adjusted=adjusted(bounds, plan.robot.n),
+        elements=plan.robot.elements,
         motions=tuple(motions),
         cost=run.cost,
         worth=np.array([mean_cost(bounds.objective, torque, dq) for torque in left]),
         common=common,
+        changing=np.array(
+            [
+                _changing(best[index - 1].springs, one.springs, cycle.q[:1])
+                for index, (one, cycle) in enumerate(zip(best, cycles, strict=True))
+            ]
+            if len(best) > 1
+            else []
+        ),
     )
 
 
@@ -161,14 +202,21 @@ def _of_motion(cycle: Cycle, best: Optimum, joints: tuple[str, ...]) -> PartsOfM
         peak=np.array([np.abs(torque).max(axis=0) for torque in pairs]),
         power=np.array([np.abs(torque * cycle.dq).sum(axis=1).mean() for torque in pairs]),
         q=cycle.q,
-        needed=best.torque + exerted,
+        total=best.torque_without_springs,
+        springs=best.springs,
+        joints=joints,
     )
 
 
 def _of_element(element: Element, p: np.ndarray, rest: float, q: np.ndarray) -> Part:
     length = q @ element.radii
-    force = element.forces(q) @ p
-    away = length - rest
+    force = element.exerted(q, p)
+    away, use = length - rest, None
+    if (pair := element.pair) is not None:
+        ends = pair.ends(float(p[0]), rest)
+        tension = pair.tension(length, ends)
+        holding = pair.holding * float((tension**2).sum(axis=1).mean())
+        use = PairUse(ends, (float(tension.min()), float(tension.max())), holding)
     return Part(
         element.name,
         float(p[0]),
@@ -176,18 +224,45 @@ def _of_element(element: Element, p: np.ndarray, rest: float, q: np.ndarray) -> 
         rest,
         float(np.abs(force).max()),
         (float(away.min()), float(away.max())),
-        _stored(element, p, length),
+        float(_stored(element, p, length).sum(axis=1).max()),
+        use,
     )
 
 
-def _stored(element: Element, p: np.ndarray, length: np.ndarray) -> float:
-    """Most that an element stores above its least along a motion, or at rest [J]."""
+def _stored(element: Element, p: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """What an element stores at lengths (N,) above its least there or at rest (N, 1) [J].
+
+    Of an antagonistic pair what each tendon does (N, 2).
+    """
+    if element.pair is not None:
+        return element.pair.stored(length, element.pair.ends(*element.rests(p)))
     x = length - element.center
     if len(p) == 1:
-        beyond = x if element.kind == "above" else -x
-        return float(p[0] * max(beyond.max(), 0.0) ** 2 / 2)
+        beyond = np.maximum(x if element.kind == "above" else -x, 0.0)
+        return (p[0] * beyond**2 / 2)[:, None]
     force = np.polynomial.Polynomial([p[-1], *-p[:-1]])
     stored = -force.integ()
     rests = [root.real for root in force.roots() if abs(root.imag) < 1e-9]
     lowest = min(stored(x).min(), *(stored(root) for root in rests), np.inf)
-    return float(stored(x).max() - lowest)
+    return (stored(x) - lowest)[:, None]
+
+
+def _changing(before: LinearSprings, after: LinearSprings, q: np.ndarray) -> float:
+    """Energy that springs take up where they are changed at joint angles (1, n) [J]."""
+    stored = [
+        [
+            _stored_in_joints(one, q),
+            *(_stored(*each, q @ each[0].radii) for each in one.others.each()),
+        ]
+        for one in (before, after)
+    ]
+    more = [np.subtract(later, earlier) for earlier, later in zip(*stored, strict=True)]
+    return float(sum(np.maximum(one, 0.0).sum() for one in more))
+
+
+def _stored_in_joints(springs: LinearSprings, q: np.ndarray) -> np.ndarray:
+    """What the joints' own springs store at joint angles (1, n): (1, n) [J]."""
+    k, offset, center = springs
+    rest = equilibrium_angles(k, offset, center, limp=0.0)
+    with np.errstate(invalid="ignore"):  # one without stiffness that pushes: 0 times inf, unknown
+        return k * (q - rest) ** 2 / 2

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from ..text import shown
-from .sections import Alone, Angles, Bound, Finite, Name, Positive, Section, Stiffness
+from .sections import Alone, Angles, Bound, Finite, Gain, Name, Positive, Section, Stiffness
 
 
 class _Bounds(Section):
@@ -53,9 +53,10 @@ class Element(_Bounds):
 
     name: Name = ""
     """What it is called; its joints if not given."""
-    kind: Literal["linear", "cubic", "above", "below"] = "linear"
+    kind: Literal["linear", "cubic", "above", "below", "antagonistic"] = "linear"
     """linear; cubic: it stiffens or softens; above, below: it pulls only beyond its rest length, or
-    only short of it, and two of them are a spring with two slopes."""
+    only short of it, and two of them are a spring with two slopes; antagonistic: two tendons that
+    stiffen and pull against each other, whose rest lengths are adjusted."""
     joints: Annotated[tuple[Name, ...], Field(min_length=1), Alone] | None = None
     """The joints that it acts on. Over a single joint it takes the place of that joint's spring,
     unless springs.joint.NAME says what that is."""
@@ -69,6 +70,14 @@ class Element(_Bounds):
     given."""
     rest: Finite | tuple[Bound, Bound] | None = None
     """Its rest length, or bounds of it; found if not given, above and below the length at home."""
+    pull: tuple[Gain, Positive] | None = None
+    """Of an antagonistic pair, a and b [N/m, N/m²]: each tendon pulls with a x + b x² where it is
+    stretched by x. The pair has a stiffness of 2 a or more."""
+    pretension: Gain = 0.0
+    """Of an antagonistic pair, what each tendon pulls with at least along the motion [N]."""
+    holding: Gain = 0.0
+    """Of an antagonistic pair, the power that an actuator takes to hold a tension, over its square
+    [W/N²]; 0 for one that locks."""
 
     @property
     def called(self) -> str:
@@ -89,8 +98,9 @@ class Element(_Bounds):
                 raise ValueError("a radius of 0: leave that joint out")
         if self.joints and len(set(self.joints)) < len(self.joints):
             raise ValueError("each joint may be named once")
+        self._one_pair()
         if isinstance(self.rest, tuple):
-            if self.kind != "linear":
+            if self.kind not in ("linear", "antagonistic"):
                 raise ValueError(f"rest = {list(self.rest)}: a {self.kind} element has a given one")
             if not (self.rest[0] <= self.rest[1] and all(map(math.isfinite, self.rest))):
                 raise ValueError("rest = [lower, upper] with two finite numbers is needed")
@@ -100,6 +110,25 @@ class Element(_Bounds):
                 f"{(self.stiffness or (0.0,))[0]:g}: with both signs what it may be is not convex"
             )
         return self
+
+    def _one_pair(self) -> None:
+        if self.kind != "antagonistic":
+            for name in ("pull", "pretension", "holding"):
+                if getattr(self, name):
+                    raise ValueError(f'{name} is of a pair: kind = "antagonistic" is needed')
+            return
+        if self.pull is None:
+            raise ValueError(
+                "an antagonistic pair needs pull = [a, b] [N/m, N/m²] of its tendons, each of "
+                "which pulls with a x + b x² where it is stretched by x"
+            )
+        if self.joints is None or len(self.joints) > 1:
+            raise ValueError('an antagonistic pair is over one joint: joints = "NAME" is needed')
+        if self.stiffness is not None and self.stiffness[1] <= 2 * self.pull[0]:
+            raise ValueError(
+                f"stiffness = {shown(self.stiffness)}: two tendons of {self.pull[0]:g} N/m have "
+                f"{2 * self.pull[0]:g} together, and more where they are pulled in"
+            )
 
 
 class Springs(_Bounds):

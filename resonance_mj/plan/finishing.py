@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import MotionError
+from ..errors import ExperimentError, MotionError
 from ..experiments.experiment import Experiment
 from ..laws.gains import gains
 from ..motions import carrying, poses
 from ..motions.kinematics import JointMotion, Kinematics
 from ..springs.cost import Cost
-from ..text import Note, joined
+from ..text import Note, joined, shown
 from .driving import drives
 from .filling import growing
 
@@ -49,6 +49,8 @@ def finished(plan: Plan, notes: list[str]) -> Plan:
         plan = aiming(plan, notes)
     with suppress(MotionError):  # which is said where the motion is asked for
         plan = softened(plan, notes)
+    with suppress(MotionError):
+        taut(plan)
     follows = plan.left is not None
     grown = growing(experiment, plan.robot, lambda: plan.optima, notes, follows=follows)
     return replace(plan, experiment=grown)
@@ -63,6 +65,29 @@ def weighed(plan: Plan) -> Plan:
     middles = poses.middles(experiment, plan.kinematics)
     along = list(np.concatenate(q))
     return replace(plan, gains=gains(experiment, plan.kinematics, middles, along))
+
+
+def taut(plan: Plan) -> None:
+    """See that the stiffest antagonistic pairs are taut along the motions.
+
+    Raises:
+        ExperimentError: one goes slack however its tendons are pulled.
+    """
+    for number, element in enumerate(plan.robot.elements):
+        if element.pair is None:
+            continue
+        for index, joints in enumerate(plan.joints):
+            lengths = joints.q @ element.radii
+            low, high = float(lengths.min()), float(lengths.max())
+            ends = element.rest or (-np.inf, np.inf)
+            least = element.pair.softest(float(np.clip((low + high) / 2, *ends)), low, high)
+            if least > element.stiffness[1]:
+                raise ExperimentError(
+                    f"experiment {plan.experiment.name!r}: springs.element.{number}.stiffness = "
+                    f"{shown(list(element.stiffness))}: a tendon of {element.name} goes slack "
+                    f"along motion.{index}, where its length is {low:.4g} to {high:.4g}; an upper "
+                    f"bound of {least:.4g} or more keeps both taut, or a smaller pull"
+                )
 
 
 def aiming(plan: Plan, notes: list[str]) -> Plan:

@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import RobotError
 from ..experiments.springs_section import Element as Given
 from ..experiments.springs_section import Springs
+from ..springs.antagonist import Pair
 from ..springs.elements import Element, Elements
 from ..text import listed, nearest, shown
 from . import names
@@ -56,7 +57,13 @@ def elements(springs: Springs, arm: Arm, home: np.ndarray) -> tuple[Element, ...
                     f"{where}.rest = {center:.6g}: the joints bring it to lengths from "
                     f"{travel[0]:.4g} to {travel[1]:.4g}"
                 )
-        found.append(Element(given.called, given.kind, radii, stiffness, rest, center, travel))
+        pair = None
+        if given.pull is not None:
+            pair = Pair(*given.pull, given.pretension, given.holding)
+            stiffness = max(2 * pair.rate, stiffness[0]), stiffness[1]
+        found.append(
+            Element(given.called, given.kind, radii, stiffness, rest, center, travel, pair)
+        )
     if named := [given.tendon for given in springs.element if given.tendon]:
         arm.notes.append(f"elements, adjusted instead of as in the file: tendons {listed(named)}")
     return tuple(found)
@@ -70,9 +77,12 @@ def add(spec: mujoco.MjSpec, elements: tuple[Element, ...], joints: tuple[str, .
             below = -FAR
         elif element.kind == "below":
             above = FAR
-        for _ in range(1 + (element.kind == "cubic")):
+        slack = [[below, above]] * (1 + (element.kind == "cubic"))
+        if element.pair is not None:
+            slack = [[-FAR, above], [below, FAR]]
+        for ends in slack:
             tendon = spec.add_tendon(name=names.free(element.name, spec.tendon))
-            tendon.springlength = [below, above]
+            tendon.springlength = ends
             for joint, radius in zip(joints, element.radii, strict=True):
                 if radius:
                     tendon.wrap_joint(joint, radius)
@@ -82,6 +92,13 @@ def write(model: mujoco.MjModel, springs: Elements) -> None:
     """Rewrite mjModel's tendon springs, which `add` has made, with the elements' parameters."""
     at = 0
     for (element, p), rest in zip(springs.each(), springs.rest(), strict=True):
+        if element.pair is not None:
+            # Shorter than its rest length the second is stretched, and there x is negative.
+            model.tendon_lengthspring[[at, at + 1], [1, 0]] = element.pair.ends(p[0], rest)
+            model.tendon_stiffness[at : at + 2] = element.pair.rate
+            model.tendon_stiffnesspoly[at : at + 2, 0] = np.array([1, -1]) * element.pair.hardening
+            at += 2
+            continue
         model.tendon_stiffness[at] = p[0]
         if len(p) > 1:
             if p[0] == 0.0 != p[-1]:
@@ -97,6 +114,12 @@ def read(model: mujoco.MjModel, elements: tuple[Element, ...]) -> Elements:
     """The elements with the parameters that `write` has put into mjModel."""
     found, at = [], 0
     for element in elements:
+        if element.pair is not None:
+            first, second = model.tendon_lengthspring[[at, at + 1], [1, 0]].tolist()
+            k, rest = element.pair.spring((first, second))
+            found += [k, k * (rest - element.center)]
+            at += 2
+            continue
         k = float(model.tendon_stiffness[at])
         p = [k, k * (float(model.tendon_lengthspring[at, 1]) - element.center)]
         if element.kind == "cubic":

@@ -1,4 +1,4 @@
-"""What keeps an arm from a motion: contacts, ends of joints' ranges, motors at limits, noise."""
+"""What keeps an arm from a motion: contacts, ends of ranges, motors at limits, noise, slack."""
 
 from typing import NamedTuple
 
@@ -19,6 +19,9 @@ LOOKED_AT = 250
 NOISY, WORTH = 0.5, 0.01
 """Share of a cycle's torque² beyond its motion's harmonics from which on motors act on noise, and
 the share of torque² without springs below which it is too little to matter."""
+
+LOOSE = 0.01
+"""Share of what its joint moves that a tendon may hang loose without a word."""
 
 MOST = 3
 """Hindrances that a message names."""
@@ -60,7 +63,7 @@ class Hindrance(NamedTuple):
 
 def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
     """What touches in a whole cycle of a motion, and what is at the end of what it can do."""
-    of = (_contacts, _ranges, _motors, _noise)
+    of = (_contacts, _ranges, _motors, _noise, _slack)
     return [one for found in of for one in found(plan, index, cycle)]
 
 
@@ -148,6 +151,26 @@ def _noise(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
             is_noise=True,
         )
     ]
+
+
+def _slack(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
+    """Which tendons of antagonistic pairs hang loose, and how long."""
+    found = []
+    for number, (element, p) in enumerate(cycle.springs.others.each()):
+        if element.pair is None:
+            continue
+        lengths = cycle.q @ element.radii
+        loose = element.pair.slack(lengths, element.pair.ends(*element.rests(p)))
+        if loose.max() > LOOSE * np.ptp(lengths):
+            found.append(
+                Hindrance(
+                    f"a tendon of {element.name} is slack for {_share((loose > 0).any(1).mean())} "
+                    "of it",
+                    f"a larger springs.element.{number}.pretension, or stiffness that may be more",
+                    bears=False,
+                )
+            )
+    return found
 
 
 def limited(plan: Plan, tau: np.ndarray, dq: np.ndarray) -> float:

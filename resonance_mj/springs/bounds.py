@@ -77,6 +77,13 @@ def passive(bounds: JointBounds) -> JointBounds:
     return bounds._replace(stiffness=(np.where(most >= 0, np.maximum(least, 0.0), least), most))
 
 
+def adjusted(bounds: Bounds, n: int) -> np.ndarray:
+    """Which of n joints have a spring of their own that is more than one given spring (n,)."""
+    (least, most), (low, high) = bounds.stiffness, bounds.equilibrium
+    given = (np.asarray(least) == most) & ((np.asarray(most) == 0) | (np.asarray(low) == high))
+    return np.broadcast_to(~given, n)
+
+
 def steps(bounds: JointBounds, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The stiffnesses that can be set next below and next above given ones (n,)."""
     below = np.floor(stiffness / bounds.resolution) * bounds.resolution

@@ -7,6 +7,8 @@ the torque r_j f(l) at each joint. With x = l - c about a given length c it is
     cubic    f = p_0 - k_1 x - k_2 x² - k_3 x³
     above    f = -k max(x, 0), and below f = -k min(x, 0)
 
+and an antagonistic pair of tendons that stiffen is a linear one as long as neither is slack.
+
 What an element may be is a convex set of parameters p, the rows A p <= b of `limits`: of a cubic
 one the stiffness -df/dl wherever its joints can go is within its bounds, so that with a lower bound
 of 0 its potential is convex. The joints' own springs are the case that `fit` solves in closed form.
@@ -19,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .antagonist import Pair
 from .spring import equilibrium
 
 LOOKED_AT = 17
@@ -29,6 +32,7 @@ PARAMETERS = {
     "cubic": ("stiffness", "quadratic", "cubic", "force"),
     "above": ("stiffness",),
     "below": ("stiffness",),
+    "antagonistic": ("stiffness", "force"),
 }
 """Of each kind of element: k, or k_1, k_2, k_3, and p_0."""
 
@@ -48,6 +52,10 @@ class Element(NamedTuple):
     """c, about which the parameters are."""
     travel: tuple[float, float]
     """Lengths between which the joints can bring it."""
+    pair: Pair | None = None
+    """Of an antagonistic one, its tendons."""
+    further: tuple[np.ndarray, np.ndarray] | None = None
+    """Further rows of A p <= b."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -68,18 +76,32 @@ class Element(NamedTuple):
         powers = -np.cumprod(np.broadcast_to(x, (len(self.parameters) - 1, *x.shape)), axis=0)
         return np.stack([*powers, np.ones_like(x)], axis=1)
 
+    def exerted(self, q: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+        """What it exerts along its length at joint angles (N, n): (N,)."""
+        if self.pair is None:
+            return self.forces(q) @ parameters
+        return self.pair.force(q @ self.radii, self.pair.ends(*self.rests(parameters)))
+
+    def rests(self, parameters: np.ndarray) -> tuple[float, float]:
+        """Stiffness and rest length, of a cubic one those of its linear part."""
+        if len(parameters) == 1:
+            return float(parameters[0]), self.center
+        return equilibrium(parameters[0], parameters[-1], self.center)
+
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """A (rows, p) and b (rows,) of A p <= b: what its parameters may be."""
         low, high = self.stiffness
         at = np.linspace(*self.travel, LOOKED_AT if self.kind == "cubic" else 1)
         slopes = self.slopes(at)
         rows, ends = [*-slopes, *slopes], [-low] * len(at) + [high] * len(at)
-        if self.rest is not None and self.kind in ("linear", "cubic"):
+        if self.rest is not None and len(self.parameters) > 1:
             # k (rest - c) between the bounds of the rest length.
             first, last = (end - self.center for end in self.rest)
             middle = [0.0] * (len(self.parameters) - 2)
             rows += [np.array([first, *middle, -1.0]), np.array([-last, *middle, 1.0])]
             ends += [0.0, 0.0]
+        if self.further is not None:
+            rows, ends = [*rows, *self.further[0]], [*ends, *self.further[1]]
         finite = np.isfinite(ends)
         return np.array(rows)[finite], np.array(ends)[finite]
 
@@ -95,7 +117,7 @@ class Element(NamedTuple):
         if self.kind == "cubic":
             return parameters
         k = np.clip(parameters[0], *self.stiffness)
-        if self.kind != "linear" or self.rest is None:
+        if len(parameters) == 1 or self.rest is None:
             return np.array([k, *parameters[1:]])
         low, high = (k * (end - self.center) for end in self.rest)
         return np.array([k, np.clip(parameters[1], low, high)])
@@ -117,7 +139,10 @@ class Elements(NamedTuple):
 
     def torque(self, q: np.ndarray) -> np.ndarray:
         """Torque that they exert at joint angles (N, n): (N, n) [N m]."""
-        return regressor(self.elements, q) @ self.parameters
+        if not any(one.pair for one in self.elements):
+            return regressor(self.elements, q) @ self.parameters
+        along = [one.exerted(q, p)[:, None] * one.radii for one, p in self.each()]
+        return np.sum(along, axis=0)
 
     def each(self) -> list[tuple[Element, np.ndarray]]:
         """The elements, each with its own parameters."""
@@ -127,10 +152,7 @@ class Elements(NamedTuple):
 
     def rest(self) -> list[float]:
         """Rest length of each; of a cubic one that of its linear part."""
-        return [
-            equilibrium(p[0], p[-1], one.center)[1] if len(p) > 1 else one.center
-            for one, p in self.each()
-        ]
+        return [one.rests(p)[1] for one, p in self.each()]
 
 
 NO_ELEMENTS = Elements()

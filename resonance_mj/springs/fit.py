@@ -14,10 +14,10 @@ from typing import cast
 
 import numpy as np
 
-from . import material, program, spring
+from . import material, program, spring, taut
 from .bounds import Bounds, JointBounds, steps
 from .cost import Cost, usual_torque
-from .elements import NO_ELEMENTS, Elements
+from .elements import NO_ELEMENTS, Element, Elements
 from .least_peak import least_peak
 from .material import Material
 
@@ -94,6 +94,8 @@ def fit(
     """
     if bounds.resolution:
         return _in_steps(q, torque, cast("JointBounds", bounds), center, dq)
+    if any(one.pair for one in bounds.elements):
+        return _taut(q, torque, cast("JointBounds", bounds), center, dq)
     if bounds.material is not None:
         assert dq is not None
         return _of_material(q, torque, dq, bounds, bounds.material).about(center)
@@ -123,6 +125,22 @@ def _in_steps(
     low, high = steps(bounds, fit(q, torque, any_, center, dq).stiffness)
     left = [((torque - of(k).torque(q, dq)) ** 2).mean(axis=0) for k in (low, high)]
     return of(np.where(left[1] < left[0], high, low))
+
+
+def _taut(
+    q: np.ndarray,
+    torque: np.ndarray,
+    bounds: JointBounds,
+    center: np.ndarray,
+    dq: np.ndarray | None,
+) -> LinearSprings:
+    """The best springs with antagonistic pairs of which no tendon is slack along the motion."""
+
+    def of(elements: tuple[Element, ...]) -> LinearSprings:
+        return fit(q, torque, bounds._replace(elements=elements), center, dq)
+
+    found = of(taut.linear(bounds.elements, q, lambda elements: of(elements).others))
+    return replace(found, others=Elements(bounds.elements, found.others.parameters))
 
 
 def _of_material(

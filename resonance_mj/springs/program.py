@@ -40,6 +40,8 @@ class Columns(NamedTuple):
     """A (rows, d) of A p <= b."""
     ends: np.ndarray
     """b (rows,)."""
+    free: np.ndarray
+    """Which parameters may be other than 0 (d,)."""
 
 
 def columns(
@@ -80,7 +82,10 @@ def columns(
         ends.append(limit)
         at += mine.shape[1]
     A, b = np.concatenate(parts), np.concatenate(ends)
-    return Columns(phi, A[np.isfinite(b)], b[np.isfinite(b)])
+    # A joint without a spring: beside an element there its parameters could not be told apart.
+    none = bounded & (stiffness[0] == 0) & (stiffness[1] == 0)
+    free = np.concatenate([~none, ~none, np.ones(d - 2 * n, bool)])
+    return Columns(phi, A[np.isfinite(b)], b[np.isfinite(b)], free)
 
 
 def best(given: Columns, torque: np.ndarray, elements: tuple[Element, ...]) -> np.ndarray:
@@ -149,11 +154,12 @@ def _quadratic(
     elements: tuple[Element, ...],
 ) -> np.ndarray:
     """Feasible p with the least pᵀ H p / 2 - wantedᵀ p, in units of `scale`."""
-    values, vectors = np.linalg.eigh(H)
-    root = np.sqrt(np.maximum(values, FLOOR**2 * values[-1]))
-    back = vectors / root / scale[:, None]
-    wanted = (vectors / root).T @ wanted
-    rows, ends = given.rows, given.ends
+    free, rows, ends = given.free, given.rows, given.ends
+    values, vectors = np.linalg.eigh(H[np.ix_(free, free)])
+    root = np.sqrt(np.maximum(values, FLOOR**2 * values.max(initial=0.0)))
+    back = np.zeros((len(free), len(values)))
+    back[free] = vectors / root / scale[free, None]
+    wanted = (vectors / root).T @ wanted[free]
     for _ in range(ROUNDS):
         found = back @ _nearest(wanted, rows @ back, ends)
         more = list(exceeded(found, elements))
@@ -170,6 +176,7 @@ def _nearest(wanted: np.ndarray, A: np.ndarray, b: np.ndarray) -> np.ndarray:
 
     # w = z - wanted: the least |w| with G w >= h.
     norms = np.linalg.norm(A, axis=1)
+    A, b, norms = A[norms > 0], b[norms > 0], norms[norms > 0]
     G, h = -A / norms[:, None], (A @ wanted - b) / norms
     size = h.max(initial=0.0)
     if size <= 0.0:
