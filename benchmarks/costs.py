@@ -32,12 +32,20 @@ def held(cycles: int, name: str) -> None:
         "none": [],
         "cubic": [{"kind": "cubic", "joints": [joint]} for joint in joints],
         "over two joints": [{"joints": joints, "radii": [0.5, -1.5]}],
+        "antagonistic": [
+            {"kind": "antagonistic", "joints": [joint], "radii": [0.05], "pull": [50.0, 5000.0]}
+            for joint in joints
+        ],
     }
     print("| elements | least of | from | least | greatest |\n|---|---|---|---|---|")
     for name, given in elements.items():
         for kind in KINDS:
             changes = {"springs.element": given, "springs.cost": kind}
-            (motion,) = rmj.simulate(base.replace(changes), progress=False).motions
+            run = rmj.simulate(base.replace(changes), progress=False)
+            (motion,) = run.motions
+            if run.status != "ok":
+                print(f"| {name} | {KINDS[kind].name} | {run.status}: {run.message} |||", flush=True)
+                continue
             ratio = (motion.cost / motion.cost_optimal)[cycles // 2 :]
             ends = f"{ratio.min():.4f} | {ratio.max():.4f}"
             print(

@@ -1,11 +1,14 @@
 """What kinds of springs leave to the motors, on the project's arms: the table of docs/springs.md.
 
     python benchmarks/elements.py
+    python benchmarks/elements.py --pairs
 
 The optimum of each desired motion by inverse dynamics, with stiffness >= 0: torque² [N² m²], mean
-|τ q̇| of all motors [W] and the largest torque [N m].
+|τ q̇| of all motors [W] and the largest torque [N m]. Or what antagonistic pairs of tendons
+of several rates leave on the paper's arm, and the law with them.
 """
 
+import argparse
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -38,7 +41,12 @@ def kinds(plan):
 
 
 def main():
-    """Print the table."""
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--pairs", action="store_true", help="of antagonistic pairs")
+    if parser.parse_args().pairs:
+        pairs()
+        return
     for name in RUNS:
         experiment = rmj.load(name).replace({"springs.stiffness": [0.0, np.inf]})
         each = kinds(plan_for(experiment))
@@ -48,6 +56,22 @@ def main():
         for number in range(len(experiment.motion)):
             cells = [_cell(plan.optima[number], plan.joints[number].dq) for plan in plans]
             print(f"| {name} {number + 1} | {' | '.join(cells)} |", flush=True)
+
+
+def pairs():
+    """Print what taut pairs of tendons leave, and where the law is with them."""
+    print(
+        "| a [N/m] | least that taut pairs leave | law / optimum | from cycle |\n|---|---|---|---|"
+    )
+    for rate in (100.0, 50.0, 20.0):
+        given = {"kind": "antagonistic", "radii": [0.05], "pull": [rate, 100 * rate]}
+        both = [given | {"joints": [j], "pretension": 1.0} for j in ("joint1", "joint2")]
+        experiment = rmj.load(RUNS[0]).replace({"springs.element": both})
+        motions = rmj.simulate(experiment, progress=False).motions
+        least = ", ".join(f"{motion.torque_squared_optimal:.4g}" for motion in motions)
+        of = [motion.torque_squared[-1] / motion.torque_squared_optimal for motion in motions]
+        cycles = ", ".join(str(motion.cycles_to_optimum) for motion in motions)
+        print(f"| {rate:g} | {least} | {', '.join(f'{one:.4f}' for one in of)} | {cycles} |")
 
 
 def _cell(best, dq):

@@ -190,6 +190,23 @@ def test_joints_that_need_no_torque_or_stand_still_get_springs_that_do_nothing(k
 
 
 @pytest.mark.parametrize("kind", OTHERS)
+def test_a_joint_that_stands_still_gets_the_softest_spring_that_holds_it(kind):
+    t = np.linspace(0, 2 * np.pi, 500, endpoint=False)
+    trembles = np.cos(7 * t)  # a stiffness of 333 would carry what is with it
+    q = np.stack([0.4 * np.sin(t), 0.3 + 3e-6 * trembles], axis=1)
+    torque = np.stack([2 * np.sin(t) + 0.3 * np.cos(3 * t), 0.6 - 1e-3 * trembles], axis=1)
+    each = [np.full(2, value) for value in (0.5, 10.0, 1.0, 0.0, 30.0)]
+    drives = Drives(*each[:4], 0.3, each[4])
+    free = np.full(2, -np.inf), np.full(2, np.inf)
+    for low, high in ((np.full(2, -1.5), np.full(2, 1.5)), free):
+        any_ = np.zeros(2), np.full(2, np.inf)
+        bounds = JointBounds(any_, (low, high), np.zeros(2, bool), objective=Cost(kind, drives))
+        found = fit(q, torque, bounds, q.mean(axis=0), np.gradient(q, t[1], axis=0))
+        assert found.offset[1] == pytest.approx(0.6, abs=2e-3)
+        assert found.stiffness[1] == pytest.approx(0.4 if np.isfinite(high[1]) else 0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("kind", OTHERS)
 def test_the_law_reaches_the_optimum_of_every_cost(kind):
     run = rmj.simulate(asked(kind, **MOTORS))
     assert run.status == "ok"

@@ -229,6 +229,23 @@ def test_an_element_that_cannot_be_is_refused_in_one_line(element, says):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("elements", [PULLEYS, SLOPES])
+def test_at_the_ends_of_an_elements_range_the_cost_has_risen_by_what_was_asked(elements):
+    best = rmj.optimum(with_elements(elements))[1]
+    given = best.springs.others
+    for (element, p), ends in zip(given.each(), best.element_ranges(0.01), strict=True):
+        alone = Elements((element,), p)
+        needed = best.torque + alone.torque(best.q)
+        for end in ends:
+            if end in element.stiffness:  # at which it has risen less
+                continue
+            left = needed - Elements((element,), np.array([end, 0.0][: len(p)])).torque(best.q)
+            if len(p) > 1:  # with the best offset, along its radii
+                left -= (left @ element.radii).mean() / (element.radii**2).sum() * element.radii
+            risen = (left**2).sum(axis=1).mean() - best.torque_squared
+            assert risen == pytest.approx(0.01 * best.torque_squared_without_springs, rel=2e-3)
+
+
 def test_elements_of_one_name_are_refused():
     with pytest.raises(ResonanceError, match="several elements are called 'joint1'"):
         with_elements([{"joints": ["joint1"]}, {"joints": ["joint1"], "kind": "cubic"}])

@@ -41,7 +41,7 @@ def parts(found: SpringParts) -> Iterator[Table]:
             ranges = [_range(ends) for ends in part.ranges or ((), ())]
             drawn.add_row(
                 part.name,
-                f"{part.stiffness:.4g}",
+                f"{part.stiffness:.4g}" if abs(part.stiffness) < 1e3 else _short(part.stiffness),
                 *ranges,
                 number(part.rest, 3),
                 f"{part.peak:.3g}",
@@ -170,4 +170,9 @@ def data(found: SpringParts, selections: tuple[Selection, ...]) -> dict[str, Any
 
 
 def _range(ends: tuple[float, ...]) -> str:
-    return "…".join(f"{end:.3g}" for end in ends)
+    return "…".join(_short(end) for end in ends)
+
+
+def _short(value: float) -> str:
+    """Three digits, without an exponent up to a hundred thousand."""
+    return f"{value:.0f}" if 1e3 <= abs(value) < 1e5 else f"{value:.3g}"

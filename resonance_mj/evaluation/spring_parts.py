@@ -42,7 +42,7 @@ class Part(NamedTuple):
     stiffness: float
     """The best [N m/rad]; of a cubic element where its length is `center`."""
     ranges: tuple[tuple[float, float], ...] | None
-    """Stiffnesses that leave at most `RISES` more, each; None for elements."""
+    """Stiffnesses that leave at most `RISES` more, each; None for a cubic element."""
     rest: float
     """Rest angle or length [rad]; inf or -inf for one without stiffness that pushes."""
     peak: float
@@ -191,9 +191,10 @@ def _of_motion(cycle: Cycle, best: Optimum, joints: tuple[str, ...]) -> PartsOfM
         stored = peak**2 / (2 * abs(k)) if k else np.inf
         travel = float(away.min()), float(away.max())
         parts.append(Part(joint, k, tuple(ends), rest, peak, travel, stored))
-    others = best.springs.others
-    for (element, p), rest in zip(others.each(), others.rest(), strict=True):
-        parts.append(_of_element(element, p, rest, cycle.q))
+    of_elements = zip(*(best.element_ranges(rise) for rise in RISES), strict=True)
+    for (element, p), within in zip(best.springs.others.each(), of_elements, strict=True):
+        known = tuple(each for each in within if each is not None) or None
+        parts.append(_of_element(element, p, known, cycle.q))
     pairs = best.torque_without_springs, best.torque
     return PartsOfMotion(
         motion=cycle.motion + 1,
@@ -208,8 +209,10 @@ def _of_motion(cycle: Cycle, best: Optimum, joints: tuple[str, ...]) -> PartsOfM
     )
 
 
-def _of_element(element: Element, p: np.ndarray, rest: float, q: np.ndarray) -> Part:
-    length = q @ element.radii
+def _of_element(
+    element: Element, p: np.ndarray, ranges: tuple[tuple[float, float], ...] | None, q: np.ndarray
+) -> Part:
+    length, (_, rest) = q @ element.radii, element.rests(p)
     force = element.exerted(q, p)
     away, use = length - rest, None
     if (pair := element.pair) is not None:
@@ -220,7 +223,7 @@ def _of_element(element: Element, p: np.ndarray, rest: float, q: np.ndarray) -> 
     return Part(
         element.name,
         float(p[0]),
-        None,
+        ranges,
         rest,
         float(np.abs(force).max()),
         (float(away.min()), float(away.max())),

@@ -9,7 +9,7 @@ from ..text import percent, shown
 from .bounds import Bounds
 from .cost import KINDS, mean_cost, velocity
 from .fit import LinearSprings, fit
-from .ranges import stiffness_range
+from .ranges import ranges_of_elements, stiffness_range
 from .spring import equilibrium_angles
 
 
@@ -123,6 +123,10 @@ class Optimum:
             Least and greatest [N m/rad]; the bounds of one that makes no difference.
         """
         return stiffness_range(self, rise)
+
+    def element_ranges(self, rise: float = 0.01) -> list[tuple[float, float] | None]:
+        """The same of each elastic element besides; None for a cubic one, which has no one k."""
+        return ranges_of_elements(self, rise)
 
 
 def _integral(torque: np.ndarray, period: float) -> float:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .elements import Element, regressor
+from .spring import STILL
 
 FLOOR = 1e-6
 """Singular value, of the largest, below which parameters cannot be told apart: there the least of
@@ -59,8 +60,10 @@ def columns(
         equilibrium: bounds of their equilibrium angles about the mean (n,), (n,) [rad].
     """
     N, n = q.shape
-    eye = np.eye(n)
-    own = [-(q - q.mean(axis=0))[:, :, None] * eye, np.broadcast_to(eye, (N, n, n))]
+    eye, z = np.eye(n), q - q.mean(axis=0)
+    # Where a joint stands still torque over angle is arbitrary, and no stiffness exerts any.
+    z = np.where((z**2).mean(axis=0) > STILL, z, 0.0)
+    own = [-z[:, :, None] * eye, np.broadcast_to(eye, (N, n, n))]
     phi = np.concatenate([*own, regressor(elements, q)], axis=2).reshape(N * n, -1)
     nothing, d = np.zeros((n, n)), phi.shape[1]
     rows, ends = (
@@ -157,6 +160,7 @@ def _quadratic(
     free, rows, ends = given.free, given.rows, given.ends
     values, vectors = np.linalg.eigh(H[np.ix_(free, free)])
     root = np.sqrt(np.maximum(values, FLOOR**2 * values.max(initial=0.0)))
+    root[root == 0] = 1.0  # nothing that is free does anything
     back = np.zeros((len(free), len(values)))
     back[free] = vectors / root / scale[free, None]
     wanted = (vectors / root).T @ wanted[free]

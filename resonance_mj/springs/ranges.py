@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from .bounds import JointBounds
-from .elements import NO_ELEMENTS
+from .elements import NO_ELEMENTS, Element
 from .fit import fit, reach
 from .material import Material
 from .spring import STILL
@@ -81,15 +81,61 @@ def _searched(best: Optimum, allowed: float) -> np.ndarray:
                 left[:, j] = (needed - spring.torque(best.q))[:, j]
             return best.rate(left) - most
 
-        at = float(best.stiffness[j])
-        for side, bound in enumerate(ends[j]):
-            end, step = at, max(abs(at), 1e-3) / 8
-            while end != bound and beyond(end) <= 0 and step < LARGEST:
-                away = at + (2 * side - 1) * step
-                end, step = float(np.clip(away, *ends[j])), 2 * step
-            outside = beyond(end) > 0
-            ends[j, side] = _crossing(beyond, at, end, SEARCHES) if outside else bound
+        ends[j] = _between(beyond, float(best.stiffness[j]), *ends[j].tolist())
     return ends
+
+
+def ranges_of_elements(best: Optimum, rise: float) -> list[tuple[float, float] | None]:
+    """The same of each element besides, the others and the joints' springs as they are.
+
+    Args:
+        best: the optimum.
+        rise: how much more they cost at most, as a share of what none cost.
+
+    Returns:
+        Least and greatest [N/m] of each; None for a cubic one, which has no one stiffness.
+    """
+    bounds, n = cast("JointBounds", best.bounds), best.q.shape[1]
+    none = np.zeros(n)
+    alone = bounds._replace(
+        stiffness=(none, none), equilibrium=(none, none), about_zero=np.zeros(n, bool)
+    )
+    most = best.rate(best.torque) + rise * best.rate(best.torque_without_springs)
+    found: list[tuple[float, float] | None] = []
+    for element, p in best.springs.others.each():
+        if element.kind == "cubic":
+            found.append(None)
+            continue
+        needed = best.torque + np.outer(element.exerted(best.q, p), element.radii)
+
+        def beyond(k: float, element: Element = element, needed: np.ndarray = needed) -> float:
+            """How far the cost is above the most with a stiffness and its best rest."""
+            within = alone._replace(elements=(element._replace(stiffness=(k, k)),))
+            spring = fit(best.q, needed, within, best.center, best.dq)
+            return best.rate(needed - spring.torque(best.q)) - most
+
+        low, high = element.stiffness
+        if element.pair is not None:
+            length = best.q @ element.radii
+            middle = float(
+                np.clip((length.max() + length.min()) / 2, *element.rest or (-np.inf, np.inf))
+            )
+            low = max(low, element.pair.softest(middle, float(length.min()), float(length.max())))
+        found.append(_between(beyond, float(p[0]), low, high))
+    return found
+
+
+def _between(
+    beyond: Callable[[float], float], at: float, low: float, high: float
+) -> tuple[float, float]:
+    """The ends of what is not beyond about a stiffness, at most from low to high, by search."""
+    ends = []
+    for sign, bound in ((-1, low), (1, high)):
+        end, step = at, max(abs(at), 1e-3) / 8
+        while end != bound and beyond(end) <= 0 and step < LARGEST:
+            end, step = float(np.clip(at + sign * step, low, high)), 2 * step
+        ends.append(_crossing(beyond, at, end, SEARCHES) if beyond(end) > 0 else bound)
+    return ends[0], ends[1]
 
 
 def _left(best: Optimum, needed: np.ndarray, j: int, k: float) -> np.ndarray:

@@ -46,6 +46,9 @@ MOST_PIXELS = 65000
 SAMPLES, CYCLE, RECORDED_CYCLE = "samples in time", "a whole cycle", "a whole cycle with samples"
 """What a run may be needed to have."""
 
+LINEAR = "linear springs, and of each motion a last cycle with samples that follows its path"
+"""The same, of springs to build or buy."""
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -55,7 +58,7 @@ class Entry:
         name: how it is asked for: its module in this package, and the value of `--figure`.
         title: what it is, in a few words.
         caption: what is shown and how to read it.
-        needs: what each run must have: `SAMPLES`, `CYCLE` or `RECORDED_CYCLE`.
+        needs: what each run must have: `SAMPLES`, `CYCLE`, `RECORDED_CYCLE` or `LINEAR`.
         several: whether it draws several runs in one figure; if not, it draws one.
         stem: of the files that it is saved as; `name` if empty.
     """
@@ -138,6 +141,15 @@ FIGURES = (
         "the motion and in the last recorded one, in the plane of the motion; beside it how far "
         "the tool was from where it should be, and its rotation vector, over the cycle.",
         needs=RECORDED_CYCLE,
+    ),
+    Entry(
+        name="parts",
+        title="Springs to build or buy",
+        caption="The best stiffness of each spring along each motion as it was made last, and "
+        "those that cost at most 1 % and 5 % of what it costs without springs more, each with "
+        "its best rest angle. Below, of several motions, the cost over all of them without "
+        "springs, with the best springs that are the same in all, and with the best of each.",
+        needs=LINEAR,
     ),
     Entry(
         name="convergence",
@@ -277,5 +289,11 @@ def _has(run: Run, needs: str) -> bool:
         return bool(whole)
     if not data.sizes.get("time", 0) or "q" not in data:
         return False
+    if needs == LINEAR:
+        of_samples = set(data["cycle_of_sample"].values.tolist())
+        of_cycle = data["segment_of_cycle"].values.tolist()
+        seen = {of_cycle[cycle - 1] for cycle in of_samples if cycle <= whole}
+        tracks = all(len(one.cycles) and one.tracks[-1] for one in run.motions)
+        return tracks and run.material is None and len(seen) == len(run.motions)
     # A run that diverged ends within a cycle.
     return needs == SAMPLES or bool((data["cycle_of_sample"] <= whole).any())
