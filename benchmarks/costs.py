@@ -44,7 +44,9 @@ def held(cycles: int, name: str) -> None:
             run = rmj.simulate(base.replace(changes), progress=False)
             (motion,) = run.motions
             if run.status != "ok":
-                print(f"| {name} | {KINDS[kind].name} | {run.status}: {run.message} |||", flush=True)
+                print(
+                    f"| {name} | {KINDS[kind].name} | {run.status}: {run.message} |||", flush=True
+                )
                 continue
             ratio = (motion.cost / motion.cost_optimal)[cycles // 2 :]
             ends = f"{ratio.min():.4f} | {ratio.max():.4f}"

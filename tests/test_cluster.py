@@ -51,6 +51,16 @@ def test_workers_make_the_same_bits_and_none_is_left(here, tmp_path):
     assert "distributed.cli.dask_worker" not in named
 
 
+def test_a_search_on_a_cluster_ends_as_here():
+    pytest.importorskip("optuna")
+    short = rmj.load("two-link-transfer").replace(SHORT)
+    how = {"minimize": "torque_squared", "trials": 18, "progress": False}
+    keys = {"law.beta": {"from": 2.0, "to": 9.0}}
+    alone, spread = (rmj.tune(short, keys, **how, dask=dask) for dask in (None, "local:2"))
+    assert alone.keys == spread.keys
+    assert alike(alone.data, spread.data)
+
+
 @pytest.mark.slow
 def test_a_killed_worker_costs_no_result_and_makes_none_twice(here, workers, tmp_path):
     from distributed import Client

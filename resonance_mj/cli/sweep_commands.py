@@ -19,13 +19,16 @@ if TYPE_CHECKING:
     from ..experiments.sweeping import Sweep
 
 
+DASK = argument(
+    "--dask", "simulate on a Dask cluster, or local:N for N workers here", metavar="ADDRESS"
+)
+
+
 @command(
     argument("sweep", "a sweep's TOML file, or a built-in name", metavar="SWEEP"),
     argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
     argument("--threads", "to simulate with; all cores", metavar="N", type=int, default=0),
-    argument(
-        "--dask", "simulate on a Dask cluster, or local:N for N workers here", metavar="ADDRESS"
-    ),
+    DASK,
     flag("--dry-run", "say how many experiments, how long and how large, and nothing else"),
     flag("--yes", "allow more than a million experiments"),
     figures=True,
@@ -99,6 +102,7 @@ def _foreseen(settings: Sweep, options: Namespace) -> tuple[dict[str, float], st
     argument("tuning", "a tuning's TOML file: docs/tuning.md", metavar="TUNING"),
     argument("--out", "where to write; runs/NAME", metavar="FOLDER", type=Path),
     argument("--threads", "to simulate with; all cores", metavar="N", type=int, default=0),
+    DASK,
     figures=True,
 )
 def tune(options: Namespace) -> int:
@@ -109,7 +113,8 @@ def tune(options: Namespace) -> int:
     folder = options.out or Path("runs") / Path(options.tuning).stem
     name, total = folder.name, settings.trials
     with bar(f"{name}: preparing", "trials", screen.console, total, then=name) as show:
-        found = rmj.tune(options.tuning, folder=folder, threads=options.threads, progress=show)
+        how = {"threads": options.threads, "dask": options.dask}
+        found = rmj.tune(options.tuning, folder=folder, **how, progress=show)
     tried = int(found.data.sizes["run"])
     within = int(found.data["feasible"].sum())
     figures = {"folder": folder, "trials": tried, "feasible": within, "figure": found.figure}

@@ -210,6 +210,11 @@ def _least(
     stiffness, offset = np.clip(best[:n], least, most), best[n : 2 * n]
     low, high = (np.broadcast_to(end, n) for end in reach(bounds, q.mean(axis=0)))
     bounded = np.isfinite(low) & np.isfinite(high)
+    # A joint that stands still: the softest spring that can hold the offset.
+    side = np.where(offset > 0, high, low)
+    holds = np.divide(offset, side, out=np.zeros_like(offset), where=bounded & (side != 0))
+    still = q.var(axis=0) <= spring.STILL
+    stiffness = np.where(still, np.clip(holds, least, most), stiffness)
     ends = [
         np.where(bounded, stiffness * np.where(bounded, end, 0), side)
         for end, side in ((low, -np.inf), (high, np.inf))

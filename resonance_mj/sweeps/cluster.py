@@ -45,32 +45,39 @@ class File(NamedTuple):
     content: bytes
 
 
-def spread(
-    shards: Mapping[str, Shard], address: str, *, predict: bool
-) -> Iterator[tuple[str, list[Outcome]]]:
-    """What comes of shards, as they are finished on a cluster, each with its name.
+class Cluster:
+    """Workers that simulate shards, as `connected` finds them."""
 
-    Args:
-        shards: by their names, which say all that they depend on.
-        address: of a Dask scheduler, or local:N for N workers of this machine.
-        predict: as of `simulated`.
+    def __init__(self, client: Client, address: str) -> None:
+        self._client, self._address = client, address
+        self._packer = _Packer(client)
 
-    Raises:
-        ClusterError: the cluster cannot be reached, is lost, or has workers of another version.
-    """
-    try:
+    @property
+    def threads(self) -> int:
+        """How many shards its workers simulate at a time."""
+        return _threads(self._client)
+
+    def spread(
+        self, shards: Mapping[str, Shard], *, predict: bool = False
+    ) -> Iterator[tuple[str, list[Outcome]]]:
+        """What comes of shards, as they are finished, each with its name.
+
+        Args:
+            shards: by their names, which say all that they depend on.
+            predict: as of `simulated`.
+
+        Raises:
+            ClusterError: the cluster is lost, or a worker failed.
+        """
         from distributed import as_completed
         from distributed.client import FutureCancelledError
-    except ImportError:
-        raise ClusterError("--dask needs Dask: pip install 'resonance-mj[sweep]'") from None
-    with _client(address) as client:
-        _same_versions(client)
-        packer, waiting = _Packer(client), iter(shards.items())
+
+        client, waiting = self._client, iter(shards.items())
 
         def submitted(most: int) -> list[Future]:
             how = {"predict": predict}
             return [
-                client.submit(work, *packer.packed(shard), versions(), **how, key=name)
+                client.submit(work, *self._packer.packed(shard), versions(), **how, key=name)
                 for name, shard in islice(waiting, most)
             ]
 
@@ -81,9 +88,36 @@ def spread(
                 done.update(submitted(1))
         except (OSError, TimeoutError, CancelledError, FutureCancelledError) as error:
             raise ClusterError(
-                f"--dask {address}: the scheduler was lost, {type(error).__name__}; finished "
+                f"--dask {self._address}: the scheduler was lost, {type(error).__name__}; finished "
                 "shards are kept, and the same command goes on"
             ) from None
+
+
+@contextmanager
+def connected(address: str) -> Iterator[Cluster]:
+    """A Dask cluster as long as it is used.
+
+    Args:
+        address: of a scheduler, or local:N for N workers of this machine.
+
+    Raises:
+        ClusterError: it cannot be reached, or has workers of another version.
+    """
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        raise ClusterError("--dask needs Dask: pip install 'resonance-mj[sweep]'") from None
+    with _client(address) as client:
+        _same_versions(client)
+        yield Cluster(client, address)
+
+
+def spread(
+    shards: Mapping[str, Shard], address: str, *, predict: bool
+) -> Iterator[tuple[str, list[Outcome]]]:
+    """`Cluster.spread` on a cluster of its own; arguments as there and of `connected`."""
+    with connected(address) as cluster:
+        yield from cluster.spread(shards, predict=predict)
 
 
 def work(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import xarray as xr
@@ -22,9 +22,11 @@ from ..experiments.loading import load
 from ..experiments.sweeping import Range, Sweep, of_values
 from ..experiments.tuning import Tuning, load_tuning
 from ..files import write
+from ..plan.plan import Followed
 from ..progress import Asked, Progress, progressing
 from ..text import listed, nearest, shown
 from . import dataset
+from .cluster import Cluster, connected
 from .dataset import Outcome
 from .judging import NO_FIGURE, OF_RUN, beyond, objective
 from .shards import simulated
@@ -73,6 +75,7 @@ def tune(
     seed: int = 0,
     folder: str | os.PathLike[str] | None = None,
     threads: int = 0,
+    dask: str | None = None,
     progress: Asked = None,
 ) -> Tuned:
     """Look for the values of keys that are best by a figure, by Optuna's TPE sampler.
@@ -92,10 +95,12 @@ def tune(
         seed: of the search.
         folder: where shards and the result are written; nothing is if None.
         threads: how many to simulate with; 0 for all cores.
+        dask: as of `sweep`: each batch is parted among the cluster's threads.
         progress: as of `sweep`.
 
     Raises:
         ExperimentError: a key, a value or a figure is not valid, or Optuna is not installed.
+        ClusterError: the cluster cannot be reached, is lost, or has workers of another version.
         OutputError: the folder cannot be written, or is of another search.
     """
     refuse_foreign()
@@ -116,10 +121,20 @@ def tune(
         claimed(folder) if folder else nullcontext() as at,
         progressing(progress, f"tuning of {settings.experiment}", "trials") as show,
         _study(settings) as study,
+        connected(dask) if dask is not None else nullcontext() as cluster,
     ):
         if at is not None:
             claim(at, settings.model_dump(mode="json", by_alias=True), [base])
-        points, outcomes = _tried(settings, base, study, at, threads, show)
+        followed: Followed = {}
+
+        def simulate(shard: list[Experiment], name: str) -> list[Outcome]:
+            if cluster is not None:
+                return _parted(cluster, shard, name)
+            if len(followed) > REMEMBERED:
+                followed.clear()
+            return simulated(shard, threads, followed)
+
+        points, outcomes = _tried(settings, base, study, at, simulate, show)
         found = _found(settings, base, points, outcomes)
         if at is not None:
             finished(at, _as_sweep(settings, points), outcomes, found.data)
@@ -133,13 +148,13 @@ def _tried(
     base: Experiment,
     study: Study,
     folder: Path | None,
-    threads: int,
+    simulate: Callable[[list[Experiment], str], list[Outcome]],
     progress: Progress,
 ) -> tuple[list[dict[str, Any]], list[Outcome]]:
     """The trials that a study asks for, batch by batch, and what came of each."""
     points: list[dict[str, Any]] = []
     outcomes: list[Outcome] = []
-    made, followed = Made(), dict[Any, Any]()
+    made = Made()
     while len(points) < settings.trials:
         count = min(SHARD, settings.trials - len(points))
         asked = [study.ask(_distributions(settings)) for _ in range(count)]
@@ -148,7 +163,7 @@ def _tried(
         name = made.name(shard)
         kept = None if folder is None else dataset.read(folder / "shards" / name)
         if kept is None:
-            kept = simulated(shard, threads, followed)
+            kept = simulate(shard, name)
             if folder is not None:
                 write(folder / "shards", {name: dataset.written(kept)})
         simulations = iter(kept)
@@ -157,12 +172,21 @@ def _tried(
             for at_end, value in beyond(settings, outcome).items():
                 trial.set_constraint(at_end, value)
             study.tell(trial, objective(settings, outcome))
-        if len(followed) > REMEMBERED:
-            followed.clear()
         points += batch
         outcomes += kept
         progress(len(points), settings.trials, sum(one.status != "ok" for one in outcomes))
     return points, outcomes
+
+
+def _parted(cluster: Cluster, shard: list[Experiment], name: str) -> list[Outcome]:
+    """What comes of a batch whose parts a cluster simulates side by side."""
+    parts = min(cluster.threads, len(shard))
+    each = {f"{name}-{part}-{parts}": shard[part::parts] for part in range(parts)}
+    outcomes = dict(cluster.spread(each))
+    found: list[Outcome | None] = [None] * len(shard)
+    for part, key in enumerate(each):
+        found[part::parts] = outcomes[key]
+    return cast("list[Outcome]", found)
 
 
 def _check(settings: Tuning, base: Experiment) -> None:
