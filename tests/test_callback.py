@@ -3,7 +3,7 @@
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from threading import Thread
+from threading import Barrier, Thread
 
 import mujoco
 import numpy as np
@@ -144,6 +144,22 @@ def test_a_simulation_within_a_simulation_does_not_disturb_it():
         assert_equal_to_the_last_bit(run, alone)
 
 
+def test_threads_that_begin_at_once_have_the_same_callback():
+    """Else one would wait until the runs of the other have ended."""
+    rmj.simulate(short())
+    both = Barrier(2)
+
+    def begun(_):
+        both.wait()
+        return callback._compiled()
+
+    for _ in range(20):
+        callback._compiled.cache_clear()
+        with ThreadPoolExecutor(2) as pool:
+            one, other = pool.map(begun, range(2))
+        assert one is other
+
+
 def test_threads_simulate_side_by_side_and_end_as_one_by_one(tmp_path):
     """Eight at once, of compiled laws that share the callback and one that must wait for it."""
     law = tmp_path / "law.py"
@@ -226,7 +242,14 @@ def test_simulation_under_a_foreign_callback_says_so(foreign, run):
     assert mujoco.get_mjcb_control() is foreign
 
 
-@pytest.mark.parametrize("name", ["control", "passive", "act_gain", "contactfilter"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "control",
+        "passive",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("act_gain", "contactfilter")),
+    ],
+)
 def test_a_users_callback_is_named_before_anything_is_compiled(name):
     """In a process of its own, in which nothing has been simulated yet."""
     code = f"""import mujoco, resonance_mj as rmj

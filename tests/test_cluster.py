@@ -51,6 +51,7 @@ def test_workers_make_the_same_bits_and_none_is_left(here, tmp_path):
     assert "distributed.cli.dask_worker" not in named
 
 
+@pytest.mark.slow
 def test_a_search_on_a_cluster_ends_as_here():
     pytest.importorskip("optuna")
     short = rmj.load("two-link-transfer").replace(SHORT)

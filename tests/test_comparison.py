@@ -116,7 +116,11 @@ PENDULUM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" damping=
 @pytest.mark.parametrize(
     ("changes", "undefined"),
     [
-        ({"shape": "line", "size": (0.1, 0.0), "center": [0.0], "period": 4.0}, ["share"]),
+        pytest.param(
+            {"shape": "line", "size": (0.1, 0.0), "center": [0.0], "period": 4.0},
+            ["share"],
+            marks=pytest.mark.slow,
+        ),
         ({"shape": "fourier", "offset": (0.0,), "blend": 0}, ["share", "torque_reduction"]),
         pytest.param(
             {"shape": "line", "size": (0.1, 0.0), "center": [0.0], "k_v": 1e7},

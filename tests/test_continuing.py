@@ -22,9 +22,11 @@ def experiment(name, cycles, **changes):
         ("paper", {}),
         ("paper-running", {}),
         ("two-link-transfer", {}),
-        ("seven-joint", {}),
-        ("six-joint-pose", {}),
         ("seven-joint", {"simulation.integrator": "RK4"}),
+        *(
+            pytest.param(name, {}, marks=pytest.mark.slow)
+            for name in ("seven-joint", "six-joint-pose")
+        ),
         ("two-link-transfer", {"law.kind": "joint-space"}),
     ],
 )

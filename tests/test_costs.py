@@ -226,7 +226,9 @@ def test_the_law_reaches_the_optimum_of_every_cost(kind):
         assert motion.reduction[-1] == pytest.approx(1 - spent / springless, rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", OTHERS)
+@pytest.mark.parametrize(
+    "kind", ["energy", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("copper", "peak"))]
+)
 def test_seven_joints_reach_it_by_cycle_25_and_others_springs_cost_more(kind):
     run = rmj.simulate(asked(kind, "seven-joint"))
     (motion,) = run.motions
@@ -289,6 +291,7 @@ def test_the_summary_has_watts_joules_and_peak_whatever_the_cost(tmp_path):
     assert math.isnan(rmj.simulate(run.experiment).motions[1].motors["peak_torque"]) is False
 
 
+@pytest.mark.slow
 def test_what_is_printed_drawn_and_said_is_of_the_cost(tmp_path):
     cut = {"motion.0.duration": 8.0, "motion.1.duration": 8.0}
     run = rmj.simulate(asked("energy", **MOTORS, **cut))

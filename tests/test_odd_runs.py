@@ -173,7 +173,13 @@ def test_the_optimum_of_a_joint_that_is_held_still_is_no_torque_at_all(reported)
     assert "stands still" in said
 
 
-@pytest.mark.parametrize(("name", "joint"), [("mathematics", MATHEMATICS), ("markup", MARKUP)])
+@pytest.mark.parametrize(
+    ("name", "joint"),
+    [
+        ("mathematics", MATHEMATICS),
+        pytest.param("markup", MARKUP, marks=pytest.mark.slow),
+    ],
+)
 def test_a_joint_is_called_by_its_name_whatever_it_means_elsewhere(
     simulated, reported, folder, name, joint
 ):

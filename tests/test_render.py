@@ -71,6 +71,7 @@ def test_a_video_has_a_frame_each_step_of_its_span_and_is_h264_that_browsers_pla
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
     whole = filmed(run, tmp_path / "whole.mp4", stop=1.1)[0]
     plots = rmj.RenderOptions(size=SMALL).plots_height

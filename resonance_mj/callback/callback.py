@@ -57,6 +57,8 @@ _compiling = threading.Lock()
 _ready: dict[bytes, int] = {}
 """Addresses of this process's compiled functions by all that these depend on."""
 
+_functions: dict[int, Callable[..., Any]] = {}
+"""The control callback by its address: one object, whichever thread was first."""
 
 _NESTED = (
     "a simulation of another law is running in this thread, and MuJoCo has one control callback "
@@ -253,7 +255,8 @@ def _compiled() -> Callable[..., Any]:
         return compilation.translate(*layout)
 
     address = _loaded(repr(layout).encode() + _sources(*COMMANDS), translate)
-    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+    return _functions.setdefault(address, function)
 
 
 def _loaded(key: bytes | None, translate: Callable[[], tuple[str, str]]) -> int:
