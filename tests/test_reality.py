@@ -165,7 +165,8 @@ ROWS = {
 @pytest.mark.parametrize(
     "row",
     [
-        *("lab", "noise of 1e-3 rad", "delay of 10 ms", "cheap"),
+        *("lab", "noise of 1e-3 rad", "delay of 10 ms"),
+        pytest.param("cheap", marks=pytest.mark.slow),
         pytest.param("delay of 5 ms", marks=pytest.mark.slow),
         pytest.param("torque 10 ms late", marks=pytest.mark.slow),
         pytest.param("control at 100 Hz", marks=pytest.mark.slow),
@@ -204,7 +205,7 @@ def judged(run):
     assert (run.status == "ok") == (not off)
 
 
-@pytest.mark.parametrize("rate", [1.0, 5.0])
+@pytest.mark.parametrize("rate", [1.0, pytest.param(5.0, marks=pytest.mark.slow)])
 def test_springs_that_take_time_arrive_at_the_optimum_and_never_jump(rate):
     run = rmj.simulate(arm({"stiffness_rate": rate}))
     dt = run.experiment.simulation.timestep
@@ -217,7 +218,7 @@ def test_springs_that_take_time_arrive_at_the_optimum_and_never_jump(rate):
     assert run.data["tracking_rms"].values[5:60].max() < 1e-3
 
 
-@pytest.mark.parametrize("payload", [2.0, 4.0])
+@pytest.mark.parametrize("payload", [pytest.param(2.0, marks=pytest.mark.slow), 4.0])
 @pytest.mark.parametrize("name", ["two-link-transfer", "seven-joint"])
 def test_a_payload_that_nobody_announced_settles_within_a_millimetre(payload, name):
     motions = len(rmj.load(name).motion)

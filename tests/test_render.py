@@ -83,6 +83,7 @@ def test_each_overlay_changes_the_scene_and_only_the_scene(run, tmp_path):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_the_strip_shows_a_cursor_that_moves_with_the_video(run, tmp_path):
     frames = filmed(run, tmp_path / "out.mp4", 0.0, 4.0, fps=2.0)
     plots = frames[:, -rmj.RenderOptions(size=SMALL).plots_height :]
@@ -103,6 +104,7 @@ def test_without_strip_and_line_the_arm_takes_the_whole_picture(run, tmp_path):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_two_runs_stand_side_by_side_in_one_picture_of_the_same_size(run, tmp_path):
     both = filmed((run, run), tmp_path / "both.mp4", size=(640, 180))
     assert both.shape[1:] == (180, 640, 3)

@@ -126,7 +126,11 @@ def test_a_report_opens_from_disk_without_a_word_and_without_a_network(browser, 
 
 @pytest.mark.opengl
 @pytest.mark.parametrize(
-    ("which", "width"), [("single", 320), pytest.param("comparison", 480, marks=pytest.mark.slow)]
+    ("which", "width"),
+    [
+        pytest.param(which, width, marks=pytest.mark.slow)
+        for which, width in (("single", 320), ("comparison", 480))
+    ],
 )
 def test_the_video_plays_and_its_scenes_can_be_gone_to(browser, which, width, request):
     with Opened(browser, request.getfixturevalue(which)) as opened:
