@@ -12,7 +12,10 @@ from scipy.optimize import minimize
 import resonance_mj as rmj
 from resonance_mj.errors import OutputError, ResonanceError
 from resonance_mj.evaluation.spring_catalogue import read
+from resonance_mj.pictures import stiffnesses
+from resonance_mj.pictures.figures import catalogue
 from resonance_mj.pictures.figures.springs import _exerted_in
+from resonance_mj.pictures.film import plots
 from resonance_mj.pictures.film.frame_data import of_run
 from resonance_mj.plan.plan import plan_for
 from resonance_mj.results.cycles import kept
@@ -245,6 +248,22 @@ def test_at_the_ends_of_an_elements_range_the_cost_has_risen_by_what_was_asked(e
                 left -= (left @ element.radii).mean() / (element.radii**2).sum() * element.radii
             risen = (left**2).sum(axis=1).mean() - best.torque_squared
             assert risen == pytest.approx(0.01 * best.torque_squared_without_springs, rel=2e-3)
+
+
+def test_elements_are_drawn_in_place_of_springs_that_are_not_there():
+    none = {"joint1": {"kind": "none"}, "joint2": {"kind": "none"}}
+    short = {"motion.0.duration": 5.0, "motion.1.duration": 5.0}
+    for joints, panels in ((none, 2 + 1 + 2 + 1), ({}, 2 + 1 + 4 * 2 + 1)):
+        run = rmj.simulate(with_elements(PULLEYS, **{"springs.joint": joints}, **short))
+        titles = [ax.get_title(loc="left") for ax in catalogue.named("overview").draw([run]).axes]
+        assert len(titles) == panels
+        assert sum("stiffness k of joint1-joint2 [N/m]" in title for title in titles) == 1
+        named = [spring.name for spring in plots._springs(run)]
+        assert named == [*(["joint1", "joint2"] if not joints else []), "joint1-joint2"]
+    (element,) = stiffnesses.elements(run)
+    assert element.time.tolist() == list(range(11))
+    values = run.data["parameters_per_cycle"].values[:, 0]
+    assert element.k.tolist() == [values[0], *values]
 
 
 def test_elements_of_one_name_are_refused():

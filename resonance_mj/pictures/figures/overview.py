@@ -9,6 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ...results.run import Run
 from ...text import minus, of_joint
+from .. import stiffnesses
 from ..spans import spans
 from .cycles import cost
 from .sheet import Row, Sheet, abscissa_of_the_panel_below, fitting, heading, width_of
@@ -21,6 +22,7 @@ TITLES = {
     "x": ("tool position {} [m]", "tool {} [m]", "{} [m]"),
     "rotation": ("tool rotation {} [rad]", "tool {} [rad]", "{} [rad]"),
     "stiffness": ("stiffness k of {} [N m/rad]", "k of {} [N m/rad]", "k {} [N m/rad]"),
+    "element": ("stiffness k of {} [N m/rad]", "k of {} [N m/rad]", "k {} [N m/rad]"),
     "offset": ("offset torque q̄ₑ of {} [N m]", "q̄ₑ of {} [N m]", "q̄ₑ {} [N m]"),
     "tau": ("motor torque τ of {} [N m]", "τ of {} [N m]", "τ {} [N m]"),
 }
@@ -51,17 +53,23 @@ def draw(run: Run, width: float) -> Figure:
     """
     data = run.data
     axes, joints = data["axis"].values.tolist(), data["joint"].values.tolist()
-    places, rows, columns = _places(len(axes), len(joints), width)
+    elements = stiffnesses.elements(run)
+    own = stiffnesses.joints(run)
+    places, rows, columns = _places(len(axes), len(joints), own, len(elements), width)
     sheet = Sheet(width, rows, columns, heading=heading(run), legend=LINES)
     windows = Windows(run)
     heights = _heights(run)
     for (name, i), (row, column) in places.items():
-        names = axes if name == "x" else joints
-        slides = name != "x" and bool(data["slides"].values[i])
+        names = {"x": axes, "element": [one.name for one in elements]}.get(name, joints)
+        slides = name not in ("x", "element") and bool(data["slides"].values[i])
+        slides |= name == "element" and elements[i].metric
         kind = "rotation" if name == "x" and names[i].startswith("r") else name
         wordings = (of_joint(one, slides) for one in sheet.alike(TITLES[kind], names))
         ax = sheet.panel(row, column, *wordings, name=names[i])
-        if name in ADAPTED:
+        if name == "element":
+            ax.plot(elements[i].time, elements[i].k, drawstyle="steps-pre", **LINES["measured"])
+            _beside_optimum(ax, run, elements[i].best)
+        elif name in ADAPTED:
             _against_optimum(ax, run, name, i)
         else:
             beside, line = BESIDE[name]
@@ -78,28 +86,34 @@ def draw(run: Run, width: float) -> Figure:
 
 
 def _places(
-    axes: int, joints: int, width: float
+    axes: int, joints: int, own: list[int], elements: int, width: float
 ) -> tuple[dict[tuple[str, int], tuple[int, int]], list[Row], int]:
     """Row and column of each panel, the rows, the last of which is torque², and the columns.
 
     Two joints stand side by side as in the paper, more of them below each other with a column each
-    for k, q̄_e, q_e and τ; where that is too narrow, in two columns.
+    for k, q̄_e, q_e and τ; where that is too narrow, in two columns. Elements stand above.
     """
     per_joint = (*ADAPTED, "tau")
     if joints > 2 and width / 4 > enlarged() * SIDE_BY_SIDE:
         columns, above = 4, -(-axes // 4)
         places = {("x", i): divmod(i, columns) for i in range(axes)}
+        places |= {("element", i): (above + i // columns, i % columns) for i in range(elements)}
+        above += -(-elements // columns)
         for column, name in enumerate(per_joint):
-            places |= {(name, j): (above + j, column) for j in range(joints)}
+            if name == "tau" or own:
+                places |= {(name, j): (above + j, column) for j in range(joints)}
         tall = 0.75 if joints <= 4 else 0.54
         rows = [Row(0.8)] * above + [Row(tall, 0.06)] * (joints - 1) + [Row(tall)]
     else:
         columns = min(2, max(axes, joints))
         places, rows = {}, []
-        for name in ("x", *per_joint):
-            many = axes if name == "x" else joints
-            places |= {(name, i): (len(rows) + i // columns, i % columns) for i in range(many)}
-            rows += [Row(1.0 if name in ("x", "tau") else 0.8)] * -(-many // columns)
+        counts = {"x": axes, "element": elements, "tau": joints}
+        for name in ("x", "element", *per_joint):
+            shown = [*range(counts[name])] if name in counts else own
+            places |= {
+                (name, i): (len(rows) + at // columns, at % columns) for at, i in enumerate(shown)
+            }
+            rows += [Row(1.0 if name in ("x", "tau") else 0.8)] * -(-len(shown) // columns)
     return places, [*rows, Row(1.1)], columns
 
 
@@ -111,7 +125,7 @@ def _heights(run: Run) -> dict[str, float]:
     }
     signals |= {"x": run.data["x_desired"].values[:, ~rotates]}
     signals |= {"rotation": run.data["x_desired"].values[:, rotates]}
-    signals |= {"equilibrium": run.data["q"].values}
+    signals |= {"equilibrium": run.data["q"].values, "element": np.zeros((1, 1))}
     return {name: float(np.ptp(part, axis=0).max(initial=0.0)) for name, part in signals.items()}
 
 
@@ -119,8 +133,7 @@ def _against_optimum(ax: Axes, run: Run, name: str, joint: int) -> None:
     """An adapted parameter over the whole run, with its optimum dashed."""
     data = run.data
     time, values = data["time"].values, data[name].values[:, joint]
-    best, starts, ends = (data[key].values for key in (f"{name}_optimal", "start", "end"))
-    best = best[:, joint]
+    best = data[f"{name}_optimal"].values[:, joint]
     if name == "equilibrium":
         least = WEAK * np.abs(data["stiffness"].values).max()
         values = np.where(np.abs(data["stiffness"].values[:, joint]) > least, values, np.nan)
@@ -131,6 +144,12 @@ def _against_optimum(ax: Axes, run: Run, name: str, joint: int) -> None:
         values = np.where(near, values, np.nan)  # a weak spring's is anywhere
     keep = slice(None, None, max(1, time.size // 1000))
     ax.plot(time[keep], values[keep], **LINES["measured"])
+    _beside_optimum(ax, run, best)
+
+
+def _beside_optimum(ax: Axes, run: Run, best: np.ndarray) -> None:
+    """The optimum in each motion (motions,), dashed, and the time of the whole run."""
+    starts, ends = run.data["start"].values, run.data["end"].values
     ax.hlines(best, starts, ends, **LINES["with optimal springs"])
     ax.set_xlim(0, ends[-1])
     ax.set_xlabel("time [s]")

@@ -1,6 +1,6 @@
 """The plots below the scene: torque² per cycle and stiffness over time, drawn once for a video."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,6 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from PIL import ImageColor
 
 from ...results.run import Run
+from .. import stiffnesses
 from ..figures.style import styled
 from ..palette import MEASURED, MUTED, OPTIMAL
 from .frame_data import cycle_ends
@@ -70,23 +71,56 @@ def draw(run: Run, options: RenderOptions, width: int) -> PlotPicture:
     return PlotPicture(before, after, panels, (0.0, float(run.data["end"].values[-1])), ink)
 
 
+class _Spring(NamedTuple):
+    """The stiffness of a joint's spring, or of an elastic element."""
+
+    name: str
+    unit: str
+    time: np.ndarray
+    k: np.ndarray
+    best: np.ndarray
+    """In each motion."""
+    drawstyle: str = "default"
+
+
+def _springs(run: Run) -> list[_Spring]:
+    """Those that a run has."""
+    data = run.data
+    keep = slice(None, None, max(1, data.sizes["time"] // 1500))
+    time, k = data["time"].values[keep], data["stiffness"].values[keep]
+    best = data["stiffness_optimal"].values
+    found = []
+    for j in stiffnesses.joints(run):
+        unit = _UNITS[0 if data["slides"].values[j] else 1]
+        found.append(_Spring(data["joint"].values[j], unit, time, k[:, j], best[:, j]))
+    for one in stiffnesses.elements(run):
+        unit = _UNITS[0 if one.metric else 1]
+        found.append(_Spring(one.name, unit, one.time, one.k, one.best, "steps-pre"))
+    return found
+
+
+_UNITS = "N/m", "N m/rad"
+
+
 def _plots(figure: Figure, run: Run, width: int, height: int, size: float) -> list[Line2D]:
     """Draw the plots in a font of so many pixels; the lines of what was measured."""
-    joints = run.data.sizes["joint"]
-    columns = joints if joints <= 3 else -(-joints // 2)
-    rows = -(-joints // columns)
+    springs = _springs(run)
+    count = len(springs)
+    columns = count if count <= 3 else -(-count // 2)
+    rows = -(-count // columns)
     gap, line = 3.6 * size / width, 1.5 * size / height
     share = 0.4 if columns <= 2 else 0.3
-    each = (1 - 0.8 * size / width - share) / columns
+    each = (1 - 1.3 * size / width - share) / columns
     tall = (1 - 0.9 * line) / rows
     ax = figure.add_axes((gap, 1.9 * line, share - gap - 0.02, 1 - 3.1 * line))
     measured = _cost(ax, run, roomy=(share - gap) * width > 26 * size)
-    for j in range(joints):
-        row, column = divmod(j, columns)
+    for at, spring in enumerate(springs):
+        row, column = divmod(at, columns)
         bottom = 1 - (row + 1) * tall + (1.0 if rows == 1 else 0.95) * line
         box = (share + column * each + gap, bottom, each - gap, tall - 2.15 * line)
-        measured += _stiffness(ax := figure.add_axes(box), run, j)
-        if j < joints - columns:
+        alike = [one for one in springs if one.unit == spring.unit]
+        measured += _stiffness(ax := figure.add_axes(box), run, spring, alike, few=count <= 3)
+        if at < count - columns:
             ax.set_xticklabels([])
     return measured
 
@@ -124,31 +158,31 @@ def _cost(ax: Axes, run: Run, roomy: bool) -> list[Line2D]:
     return measured
 
 
-def _stiffness(ax: Axes, run: Run, j: int) -> list[Line2D]:
-    data = run.data.isel(joint=j)
-    ends, keep = data["end"].values, slice(None, None, max(1, data.sizes["time"] // 1500))
-    best = data["stiffness_optimal"].values
-    ax.hlines(best, data["start"].values, ends, color=OPTIMAL, linestyle="--")
-    time, k = data["time"].values[keep], data["stiffness"].values[keep]
-    measured = ax.plot(time, k, color=MEASURED, linewidth=2)
-    title = f"k {data['joint'].item()} [{'N/m' if int(data['slides']) else 'N m/rad'}]"
+def _stiffness(
+    ax: Axes, run: Run, spring: _Spring, alike: list[_Spring], *, few: bool
+) -> list[Line2D]:
+    starts, ends = run.data["start"].values, run.data["end"].values
+    ax.hlines(spring.best, starts, ends, color=OPTIMAL, linestyle="--")
+    how: Any = {"color": MEASURED, "linewidth": 2, "drawstyle": spring.drawstyle}
+    measured = ax.plot(spring.time, spring.k, **how)
+    title = f"k {spring.name} [{spring.unit}]"
     if 0.6 * len(title) * float(ax.title.get_fontsize()) > ax.bbox.width:
         title = title.partition(" [")[0]
     ax.set_title(title)
-    ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if run.data.sizes["joint"] <= 3 else 2))
-    _ordinate(ax, run, j)
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=4 if few else 2))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    _ordinate(ax, spring, alike)
     _time_axis(ax, float(ends[-1]))
     return measured
 
 
-def _ordinate(ax: Axes, run: Run, j: int) -> None:
+def _ordinate(ax: Axes, spring: _Spring, alike: list[_Spring]) -> None:
     """Limits from the bulk of the values; next to nothing is not blown up."""
-    alike = run.data["slides"].values == run.data["slides"].values[j]
-    stiffness, best = run.data["stiffness"].values, run.data["stiffness_optimal"].values
-    low, high = np.quantile(stiffness[:, j], [0.005, 0.995])
-    low, high = min(low, best[:, j].min(), 0.0), max(high, best[:, j].max(), 0.0)
-    least = 0.01 * max(np.quantile(np.abs(stiffness[:, alike]), 0.98), np.abs(best[:, alike]).max())
-    high = max(high, low + least, low + 1e-9)
+    low, high = np.quantile(spring.k, [0.005, 0.995])
+    low, high = min(low, spring.best.min(), 0.0), max(high, spring.best.max(), 0.0)
+    usual = max(np.quantile(np.abs(np.concatenate([one.k for one in alike])), 0.98), 0.0)
+    least = 0.01 * max(usual, *(np.abs(one.best).max() for one in alike)) or 1.0
+    high = max(high, low + least)
     margin = 0.08 * (high - low)
     ax.set_ylim(low - margin, high + margin)
 
