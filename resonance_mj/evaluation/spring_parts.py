@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import OutputError
 from ..results.cycles import Cycle, kept
 from ..results.run import Run
-from ..springs.bounds import adjusted
+from ..springs.bounds import JointBounds
 from ..springs.cost import Kind, mean_cost
 from ..springs.elements import Element, Elements
 from ..springs.fit import LinearSprings, fit
@@ -90,8 +90,7 @@ class SpringParts:
         name: of the run.
         joints: names of its joints (n).
         home: joint angles (n,) [rad].
-        adjusted: whether each joint has a spring of its own that is adjusted (n,).
-        elements: besides the joints' own springs.
+        bounds: of its springs.
         motions: one by one.
         cost: what the springs leave the least of.
         worth: that over all motions without springs, with the best springs that are the
@@ -106,8 +105,7 @@ class SpringParts:
     name: str
     joints: tuple[str, ...]
     home: np.ndarray
-    adjusted: np.ndarray
-    elements: tuple[Element, ...]
+    bounds: JointBounds
     motions: tuple[PartsOfMotion, ...]
     cost: Kind
     worth: np.ndarray
@@ -153,8 +151,7 @@ def spring_parts(run: Run) -> SpringParts:
         name=run.experiment.name,
         joints=plan.robot.joints,
         home=plan.robot.home,
-        adjusted=adjusted(bounds, plan.robot.n),
-        elements=plan.robot.elements,
+        bounds=bounds,
         motions=tuple(motions),
         cost=run.cost,
         worth=np.array([mean_cost(bounds.objective, torque, dq) for torque in left]),

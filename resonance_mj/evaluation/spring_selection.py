@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import OutputError
-from ..springs.fit import LinearSprings
+from ..springs.bounds import adjusted
+from ..springs.fit import LinearSprings, fit
 from .spring_catalogue import Bought
 from .spring_parts import PartsOfMotion, SpringParts
 from .spring_relaxation import Place, Ranges, Relaxation
@@ -102,15 +103,20 @@ def _selection(
         tuple(mounted[one.name] for one in springs),
         np.array([_mean_square(torque) for torque in left]),
         without,
-        np.array([float((motion.rms[1] ** 2).sum()) for motion in motions]),
+        np.array([_least(found, motion) for motion in motions]),
     )
 
 
 def _springs(found: SpringParts, catalogue: tuple[Bought, ...], q: np.ndarray) -> tuple[Place, ...]:
     """The springs that a part can stand for, with the parts that bear joint angles (N, n)."""
-    own = zip(found.joints, np.eye(len(found.joints)), found.adjusted, strict=True)
+    own = zip(
+        found.joints,
+        np.eye(len(found.joints)),
+        adjusted(found.bounds, len(found.joints)),
+        strict=True,
+    )
     places = [(name, along) for name, along, adjusted in own if adjusted]
-    places += [(one.name, one.radii) for one in found.elements if one.kind == "linear"]
+    places += [(one.name, one.radii) for one in found.bounds.elements if one.kind == "linear"]
     springs = []
     for name, along in places:
         lengths = q @ along
@@ -138,6 +144,13 @@ def _needed(motion: PartsOfMotion, springs: tuple[Place, ...]) -> np.ndarray:
         if element.name not in replaced:
             torque = torque - np.outer(element.exerted(motion.q, p), element.radii)
     return torque
+
+
+def _least(found: SpringParts, motion: PartsOfMotion) -> float:
+    """Mean torque² with the springs within the bounds that leave the least of it [N² m²]."""
+    bounds = found.bounds._replace(objective=None)
+    springs = fit(motion.q, motion.total, bounds, motion.q.mean(axis=0))
+    return _mean_square(motion.total - springs.torque(motion.q))
 
 
 def _mean_square(torque: np.ndarray) -> float:
