@@ -361,7 +361,7 @@ def test_files_are_as_wide_as_asked_to_the_pixel_and_the_point(runs, tmp_path, w
 @pytest.mark.slow
 def test_pdf_and_svg_are_vectors_with_text_and_fonts_that_journals_take(runs, tmp_path):
     written = rmj.plot(runs["two-link-transfer"], tmp_path, formats=["svg", "pdf"])
-    assert {file.stem for file in written} == {"figure", "cycles", "springs", "path"}
+    assert {file.stem for file in written} == {"figure", "cycles", "springs", "path", "parts"}
     for file in written:
         content = file.read_bytes()
         if file.suffix == ".pdf":

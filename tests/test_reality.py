@@ -165,11 +165,10 @@ ROWS = {
 @pytest.mark.parametrize(
     "row",
     [
-        *("lab", "noise of 1e-3 rad", "delay of 10 ms"),
+        *("lab", "noise of 1e-3 rad", "delay of 10 ms", "control at 100 Hz"),
         pytest.param("cheap", marks=pytest.mark.slow),
         pytest.param("delay of 5 ms", marks=pytest.mark.slow),
         pytest.param("torque 10 ms late", marks=pytest.mark.slow),
-        pytest.param("control at 100 Hz", marks=pytest.mark.slow),
     ],
 )
 def test_the_law_finds_the_springs_of_a_real_arm_and_its_motors_give_little_more(row, name):
