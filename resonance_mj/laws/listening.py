@@ -211,7 +211,7 @@ def _delayed(
     stalls = len(last) == STALLS and sum(last[-2:]) > STALLED * sum(last[:2])
     grown = learned > GROWN**2 * tuning.least and not passing
     grows = left @ weights > CONTRACTS**2 * weights.sum() or grown
-    # In a loop that is late what contracts by its mean may grow in a harmonic that hardly moves yet.
+    # In a late loop what contracts by its mean may grow in a harmonic that hardly moves yet.
     if not grows and tuning.pace < 1.0 and not tuning.delay:
         factors = np.minimum(FASTER, 1.0 / tuning.pace)
         ahead = np.exp(1j * _rates(cycle, gains) * lead * cycle.timestep)
