@@ -141,6 +141,7 @@ def test_files_travel_with_the_experiments(workers, tmp_path):
     assert all("nowhere" in one for one in said)
 
 
+@pytest.mark.slow
 def test_workers_of_another_version_are_refused(tmp_path, monkeypatch):
     from distributed import LocalCluster
 

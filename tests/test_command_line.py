@@ -152,6 +152,7 @@ def test_the_schema_is_json_of_every_key(capsys):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_an_arm_is_drawn_into_a_folder_that_is_made(capsys, tmp_path):
     path = tmp_path / "new" / "arm.png"
     status, out, _ = said(capsys, "inspect", "two_link.xml", "-o", path)

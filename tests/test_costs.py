@@ -368,6 +368,7 @@ def test_weights_beside_another_cost_are_said_to_have_no_effect():
     assert any("springs.weights" in note and "no effect" in note for note in notes)
 
 
+@pytest.mark.slow
 def test_a_sweep_keeps_watts_and_the_cost(tmp_path):
     (tmp_path / "sweep.toml").write_text(
         'experiment = "paper"\n[keys]\n"springs.cost" = ["torque-squared", "energy"]\n'

@@ -112,6 +112,7 @@ def test_a_base_that_leans_has_gravity_from_the_side():
     assert np.abs(leans.data["tau"] - rmj.simulate(arm({}, 2)).data["tau"]).max() > 0.1
 
 
+@pytest.mark.slow
 def test_they_step_together_and_interpreted_with_the_same_bits():
     reality = {"torque_rate": 2000.0, "motor_torque": 40.0, "motor_speed": 6.0}
     asked = arm(reality | {"stiffness_resolution": 1.0}, 3)

@@ -108,6 +108,7 @@ def test_the_law_finds_the_springs_by_the_encoders_of_the_rotors(name, reality, 
         assert motion.tracking_rms[-1] < error
 
 
+@pytest.mark.slow
 def test_such_arms_step_together_and_go_on_with_the_same_bits(tmp_path):
     asked = arm("two-link-transfer", STIFF | {"backlash": 0.001}, 6)
     whole = rmj.simulate(asked)

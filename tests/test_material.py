@@ -194,6 +194,7 @@ def test_a_law_that_is_given_the_best_springs_leaves_what_is_said_to_be_least():
 
 
 @pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.slow
 def test_every_law_runs_with_such_springs(kind):
     given = arm("two-link-transfer", STIFFENING | LOSSY, 2, **{"law.kind": kind})
     run = rmj.simulate(given)
@@ -209,6 +210,7 @@ def test_linear_springs_are_believed_and_nothing_is_said():
     assert not any("not linear" in note for note in run.notes)
 
 
+@pytest.mark.slow
 def test_such_runs_step_together_are_interrupted_and_go_on_with_the_same_bits(tmp_path):
     asked = arm("two-link-transfer", STIFFENING | LOSSY, 25)
     whole = rmj.simulate(asked)

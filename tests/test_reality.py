@@ -378,6 +378,7 @@ def test_arms_that_are_light_in_some_pose_come_to_their_optimum_in_a_laboratory(
     assert run.motions[0].share[-1] > 0.99
 
 
+@pytest.mark.slow
 def test_a_motion_that_follows_another_grows_where_the_loop_is_late():
     def passages(**changes):
         return [one.blend for one in plan_for(arm({}, **changes)).experiment.motion]

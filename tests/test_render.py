@@ -461,6 +461,7 @@ def test_as_many_labels_as_runs_are_needed(run, tmp_path):
 
 
 @pytest.mark.opengl
+@pytest.mark.slow
 def test_what_fails_besides_opengl_is_said_as_what_it_is(run, tmp_path, monkeypatch):
     monkeypatch.setattr(frame_data.FrameData, "__reduce__", lambda self: (int, ("no data",)))
     with pytest.raises(PictureError, match=r"frames cannot be drawn: ValueError"):

@@ -289,6 +289,7 @@ def test_nothing_is_wider_than_the_screen(browser, which, width, request):
         assert out == []
 
 
+@pytest.mark.slow
 def test_each_figure_is_drawn_once_and_can_be_read_on_a_phone_and_on_a_desk(browser, single):
     letters = (
         "[...document.querySelectorAll('.drawing')].map(drawing => Math.min("
