@@ -224,7 +224,7 @@ def _of_element(
         rest,
         float(np.abs(force).max()),
         (float(away.min()), float(away.max())),
-        float(_stored(element, p, length).sum(axis=1).max()),
+        float(np.nan_to_num(_stored(element, p, length).sum(axis=1).max(), nan=np.inf)),
         use,
     )
 
@@ -232,7 +232,7 @@ def _of_element(
 def _stored(element: Element, p: np.ndarray, length: np.ndarray) -> np.ndarray:
     """What an element stores at lengths (N,) above its least there or at rest (N, 1) [J].
 
-    Of an antagonistic pair what each tendon does (N, 2).
+    Of an antagonistic pair what each tendon does (N, 2); NaN for one that pushes without stiffness.
     """
     if element.pair is not None:
         return element.pair.stored(length, element.pair.ends(*element.rests(p)))
@@ -240,6 +240,8 @@ def _stored(element: Element, p: np.ndarray, length: np.ndarray) -> np.ndarray:
     if len(p) == 1:
         beyond = np.maximum(x if element.kind == "above" else -x, 0.0)
         return (p[0] * beyond**2 / 2)[:, None]
+    if p[-1] and not p[:-1].any():  # one without stiffness that pushes: unknown
+        return np.full((len(x), 1), np.nan)
     force = np.polynomial.Polynomial([p[-1], *-p[:-1]])
     stored = -force.integ()
     rests = [root.real for root in force.roots() if abs(root.imag) < 1e-9]

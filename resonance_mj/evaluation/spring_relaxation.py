@@ -53,6 +53,7 @@ class Relaxation:
         self.centers = np.array([(q @ one.along).mean() for one in springs])
         samples = [len(torque) for torque in needed]
         scale = np.full(len(needed), sum(samples)) if shares_of is None else shares_of * samples
+        scale = np.where(scale > 0, scale, 1.0)  # a motion without torque has no shares
         self._reduced = []
         touched = np.any([one.along != 0 for one in springs], axis=0)
         for motion, torque, unit in zip(motions, needed, np.sqrt(scale), strict=True):

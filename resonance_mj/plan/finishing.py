@@ -77,10 +77,8 @@ def taut(plan: Plan) -> None:
         if element.pair is None:
             continue
         for index, joints in enumerate(plan.joints):
-            lengths = joints.q @ element.radii
-            low, high = float(lengths.min()), float(lengths.max())
-            ends = element.rest or (-np.inf, np.inf)
-            least = element.pair.softest(float(np.clip((low + high) / 2, *ends)), low, high)
+            low, high = element.ends(joints.q)
+            least = element.softest(joints.q)
             if least > element.stiffness[1]:
                 raise ExperimentError(
                     f"experiment {plan.experiment.name!r}: springs.element.{number}.stiffness = "

@@ -50,7 +50,7 @@ def ending(
         noise = [one for one in held if one.is_noise]
         notes += [Caution(f"in the last cycle of {name} {one.what}") for one in held]
         if not motion.tracks[-1]:
-            lost.append(_lost(plan, index, motion, held))
+            lost.append(_lost(plan, index, motion, [one for one in held if one.holds_back]))
         elif bearing:
             touched.append(
                 f"in the last cycle of {name} {named(bearing)}, and the "

@@ -59,6 +59,8 @@ class Hindrance(NamedTuple):
     """Whether it exerts a force of its own."""
     is_noise: bool = False
     """Whether it is what the motors do besides the motion."""
+    holds_back: bool = True
+    """Whether it can keep the tool from its path."""
 
 
 def hindrances(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
@@ -168,6 +170,7 @@ def _slack(plan: Plan, index: int, cycle: LastCycle) -> list[Hindrance]:
                     "of it",
                     f"a larger springs.element.{number}.pretension, or stiffness that may be more",
                     bears=False,
+                    holds_back=False,
                 )
             )
     return found

@@ -88,6 +88,23 @@ class Element(NamedTuple):
             return float(parameters[0]), self.center
         return equilibrium(parameters[0], parameters[-1], self.center)
 
+    def softest(self, q: np.ndarray, rest: float | None = None) -> float:
+        """Least stiffness with which a pair is taut along joint angles (N, n) [N/m].
+
+        Args:
+            q: joint angles.
+            rest: length at which it rests; that with the least stiffness if not given.
+        """
+        assert self.pair is not None
+        low, high = self.ends(q)
+        rest = (low + high) / 2 if rest is None else rest
+        return self.pair.softest(float(np.clip(rest, *(self.rest or (-np.inf, np.inf)))), low, high)
+
+    def ends(self, q: np.ndarray) -> tuple[float, float]:
+        """Least and greatest length at joint angles (N, n)."""
+        length = q @ self.radii
+        return float(length.min()), float(length.max())
+
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """A (rows, p) and b (rows,) of A p <= b: what its parameters may be."""
         low, high = self.stiffness

@@ -8,7 +8,7 @@ who exerts it: the transfer law, the optimum and the certificates all ask the sa
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -92,10 +92,17 @@ def fit(
     Raises:
         ValueError: no elements are within all of their bounds.
     """
+
+    def of(others: JointBounds) -> LinearSprings:
+        return fit(q, torque, others, center, dq)
+
+    def left(springs: LinearSprings) -> np.ndarray:
+        return np.asarray(((torque - springs.torque(q, dq)) ** 2).mean(axis=0))
+
     if bounds.resolution:
-        return _in_steps(q, torque, cast("JointBounds", bounds), center, dq)
+        return _in_steps(cast("JointBounds", bounds), of, left)
     if any(one.pair for one in bounds.elements):
-        return _taut(q, torque, cast("JointBounds", bounds), center, dq)
+        return _taut(cast("JointBounds", bounds), of, q)
     if bounds.material is not None:
         assert dq is not None
         return _of_material(q, torque, dq, bounds, bounds.material).about(center)
@@ -107,39 +114,36 @@ def fit(
 
 
 def _in_steps(
-    q: np.ndarray,
-    torque: np.ndarray,
     bounds: JointBounds,
-    center: np.ndarray,
-    dq: np.ndarray | None,
+    of: Callable[[JointBounds], LinearSprings],
+    left: Callable[[LinearSprings], np.ndarray],
 ) -> LinearSprings:
     """The best springs whose stiffness is set in steps: joint by joint one of the two next to it.
 
     Torque² is convex in the stiffness of each joint with its best offset.
+
+    Args:
+        bounds: of which the springs shall be the best.
+        of: the best within others.
+        left: torque² that springs leave of each joint (n,).
     """
     any_ = bounds._replace(resolution=0.0)
-
-    def of(k: np.ndarray) -> LinearSprings:
-        return fit(q, torque, any_._replace(stiffness=(k, k)), center, dq)
-
-    low, high = steps(bounds, fit(q, torque, any_, center, dq).stiffness)
-    left = [((torque - of(k).torque(q, dq)) ** 2).mean(axis=0) for k in (low, high)]
-    return of(np.where(left[1] < left[0], high, low))
+    low, high = steps(bounds, of(any_).stiffness)
+    fixed = [any_._replace(stiffness=(k, k)) for k in (low, high)]
+    below, above = (left(of(each)) for each in fixed)
+    best = np.where(above < below, high, low)
+    return of(any_._replace(stiffness=(best, best)))
 
 
 def _taut(
-    q: np.ndarray,
-    torque: np.ndarray,
-    bounds: JointBounds,
-    center: np.ndarray,
-    dq: np.ndarray | None,
+    bounds: JointBounds, of: Callable[[JointBounds], LinearSprings], q: np.ndarray
 ) -> LinearSprings:
-    """The best springs with antagonistic pairs of which no tendon is slack along the motion."""
+    """The best springs with antagonistic pairs of which no tendon is slack; arguments likewise."""
 
-    def of(elements: tuple[Element, ...]) -> LinearSprings:
-        return fit(q, torque, bounds._replace(elements=elements), center, dq)
+    def others(elements: tuple[Element, ...]) -> Elements:
+        return of(bounds._replace(elements=elements)).others
 
-    found = of(taut.linear(bounds.elements, q, lambda elements: of(elements).others))
+    found = of(bounds._replace(elements=taut.linear(bounds.elements, q, others)))
     return replace(found, others=Elements(bounds.elements, found.others.parameters))
 
 

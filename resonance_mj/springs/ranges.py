@@ -116,11 +116,7 @@ def ranges_of_elements(best: Optimum, rise: float) -> list[tuple[float, float] |
 
         low, high = element.stiffness
         if element.pair is not None:
-            length = best.q @ element.radii
-            middle = float(
-                np.clip((length.max() + length.min()) / 2, *element.rest or (-np.inf, np.inf))
-            )
-            low = max(low, element.pair.softest(middle, float(length.min()), float(length.max())))
+            low = max(low, element.softest(best.q))
         found.append(_between(beyond, float(p[0]), low, high))
     return found
 

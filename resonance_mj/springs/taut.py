@@ -36,17 +36,19 @@ def linear(
         best: finds the best parameters of elements without pairs.
     """
     pairs = [at for at, one in enumerate(elements) if one.pair]
-    ends = [(float(x.min()), float(x.max())) for x in (q @ one.radii for one in elements)]
 
     def about(stiffness: np.ndarray) -> tuple[Element, ...]:
         found = list(elements)
         for at, k in zip(pairs, stiffness, strict=True):
-            found[at] = _linear(elements[at], k, *ends[at])
+            found[at] = _linear(elements[at], k, q)
         return tuple(found)
 
+    def softest(at: int, rest: float | None = None) -> float:
+        return min(elements[at].softest(q, rest), elements[at].stiffness[1])
+
     free = best(tuple(one._replace(pair=None) for one in elements)).each()
-    softest = np.array([_softest(elements[at], *ends[at]) for at in pairs])
-    taut = [_softest(elements[at], *ends[at], free[at][0].rests(free[at][1])[1]) for at in pairs]
+    taut = [softest(at, free[at][0].rests(free[at][1])[1]) for at in pairs]
+    least = np.array([softest(at) for at in pairs])
     sought, before = np.maximum(taut, [free[at][1][0] for at in pairs]), None
     for _ in range(ROUNDS):
         each = best(about(sought)).each()
@@ -58,26 +60,12 @@ def linear(
             apart = sought - before[0]
             slope = np.divide(k - before[1], apart, out=slope, where=apart != 0)
         before = sought, k
-        sought = np.maximum(sought + (k - sought) / (1 - np.clip(slope, 0.0, STEEPEST)), softest)
+        sought = np.maximum(sought + (k - sought) / (1 - np.clip(slope, 0.0, STEEPEST)), least)
     return about(sought)
 
 
-def _softest(one: Element, low: float, high: float, rest: float | None = None) -> float:
-    """The least stiffness with which a pair is taut, or its greatest if that is less.
-
-    Args:
-        one: the pair.
-        low: least length along the motion.
-        high: greatest length.
-        rest: length at which it rests; that with the least stiffness if not given.
-    """
-    rest = (low + high) / 2 if rest is None else rest
-    rest = float(np.clip(rest, *(one.rest or (-np.inf, np.inf))))
-    return min(cast("Pair", one.pair).softest(rest, low, high), one.stiffness[1])
-
-
-def _linear(one: Element, k: float, low: float, high: float) -> Element:
+def _linear(one: Element, k: float, q: np.ndarray) -> Element:
     """A pair as a linear element, with what keeps it taut about a stiffness."""
     pair = cast("Pair", one.pair)
-    further = pair.limits(k, one.center, *pair.held(k, low, high))
+    further = pair.limits(k, one.center, *pair.held(k, *one.ends(q)))
     return one._replace(pair=None, further=further)
